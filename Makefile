@@ -1,0 +1,53 @@
+# One file, Python 3.11+, git and make: every target sets up what it needs.
+#
+#   make demo    a worked example, results in out/demo
+#   make check   style, types, direction of imports
+#   make test    the tests
+#   make setup   only the virtual environment
+#   make clean   remove everything that can be made again
+
+VENV := .venv
+ifeq ($(OS),Windows_NT)
+PYTHON ?= python
+BIN := $(VENV)/Scripts
+else
+PYTHON ?= python3
+BIN := $(VENV)/bin
+endif
+STAMP := $(VENV)/installed
+SOURCES := src tests $(wildcard benchmarks)
+
+.DEFAULT_GOAL := help
+.PHONY: help setup check test demo bench clean
+
+help:
+	@echo "targets: setup check test demo bench clean"
+
+setup: $(STAMP)
+
+# Made again when what it was made from has changed.
+$(STAMP): pyproject.toml constraints.txt
+	@echo "Setting up $(VENV) (about a minute)"
+	@$(PYTHON) -c "import sys; sys.exit(None if sys.version_info >= (3, 11) else 'propermodel needs Python 3.11 or later; choose one with: make PYTHON=...')"
+	@$(PYTHON) -c "import ensurepip, venv" || (echo "This Python cannot make virtual environments (on Debian: install python3-venv)"; exit 1)
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --no-input --disable-pip-version-check -e ".[dev]" -c constraints.txt
+	@$(BIN)/python -c "import pathlib; pathlib.Path('$(STAMP)').touch()"
+
+check: $(STAMP)
+	$(BIN)/ruff check $(SOURCES)
+	$(BIN)/ruff format --check $(SOURCES)
+	$(BIN)/basedpyright
+	$(BIN)/lint-imports
+
+test: $(STAMP)
+	$(BIN)/python -m pytest
+
+demo: $(STAMP)
+	$(BIN)/propermodel demo --out out/demo
+
+bench: $(STAMP)
+	$(BIN)/python -m benchmarks
+
+clean:
+	$(PYTHON) -c "import shutil; [shutil.rmtree(name, ignore_errors=True) for name in ('$(VENV)', 'out', 'build', 'dist', '.pytest_cache', '.ruff_cache', '.hypothesis', '.import_linter_cache')]"
