@@ -1,0 +1,168 @@
+"""Paths, sources, diagnostics and exceptions: what every room uses to say where and why."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+
+class Path(tuple[str, ...]):
+    """The place of a part or port below the root of a model; printed with dots."""
+
+    __slots__ = ()
+
+    def __truediv__(self, name: str) -> Path:
+        return Path((*self, name))
+
+    def __add__(self, other: tuple[str, ...]) -> Path:  # pyright: ignore[reportIncompatibleMethodOverride]
+        return Path((*tuple(self), *other))
+
+    @property
+    def parent(self) -> Path:
+        """The path without its last name."""
+        return Path(self[:-1])
+
+    @property
+    def name(self) -> str:
+        """The last name."""
+        return self[-1] if self else ""
+
+    def is_below(self, ancestor: Path) -> bool:
+        """Whether this path is `ancestor` or lies inside it."""
+        return self[: len(ancestor)] == tuple(ancestor)
+
+    def __str__(self) -> str:
+        return ".".join(self)
+
+    def __repr__(self) -> str:
+        return f"Path({str(self)!r})"
+
+
+def parse_path(text: str) -> Path:
+    """The path written with dots, `axles[0].hub.flange`."""
+    return Path(part for part in text.split(".") if part)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where something was written: file (relative to the project where possible) and line."""
+
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}" if self.line else self.file
+
+
+NO_SOURCE = Source("", 0)
+
+
+class Severity(StrEnum):
+    """How serious a diagnostic is."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Involved:
+    """One part that takes part in a fault, and how."""
+
+    path: str
+    role: str
+    source: Source = NO_SOURCE
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One fault: its code, what is wrong, where, who is involved, and the usual cure."""
+
+    code: str
+    message: str
+    where: str = ""
+    source: Source = NO_SOURCE
+    involved: tuple[Involved, ...] = ()
+    help: str = ""
+    severity: Severity = Severity.ERROR
+
+    def __str__(self) -> str:
+        lines = [f"{self.severity}[{self.code}]: {self.message}"]
+        place = "  ".join(text for text in (str(self.source), self.where) if text)
+        if place:
+            lines.append(f"  --> {place}")
+        width = max((len(item.path) for item in self.involved), default=0)
+        for item in self.involved:
+            tail = f"   {item.source}" if str(item.source) else ""
+            lines.append(f"      {item.path:<{width}}  {item.role}{tail}".rstrip())
+        if self.help:
+            lines.append(f"  help: {self.help}")
+        return "\n".join(lines)
+
+
+class ProperModelError(Exception):
+    """Base of every error of this package; carries the diagnostics it reports."""
+
+    diagnostics: tuple[Diagnostic, ...]
+
+    def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
+        self.diagnostics = tuple(diagnostics)
+        super().__init__("\n".join(str(item) for item in self.diagnostics))
+
+    @classmethod
+    def of(
+        cls,
+        code: str,
+        message: str,
+        *,
+        where: str = "",
+        source: Source = NO_SOURCE,
+        involved: Iterable[Involved] = (),
+        help: str = "",
+    ) -> ProperModelError:
+        """An error with one diagnostic."""
+        return cls([Diagnostic(code, message, where, source, tuple(involved), help)])
+
+
+class ModelError(ProperModelError):
+    """The description of a model is wrong: names, ports, units, connections."""
+
+
+class StructureError(ProperModelError):
+    """The bond graph cannot be given causality or equations."""
+
+
+class DocumentError(ProperModelError):
+    """A file is not a document of this package, is damaged, or has another version."""
+
+
+class SimulationError(ProperModelError):
+    """A run was asked for that cannot be made."""
+
+
+class ReductionError(ProperModelError):
+    """A ranking or reduction was asked for that cannot be made."""
+
+
+@dataclass
+class Faults:
+    """Collects the diagnostics of a stage, so that it raises once with all of them."""
+
+    error: type[ProperModelError]
+    found: list[Diagnostic] = field(default_factory=list)
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        """Remember one fault."""
+        self.found.append(diagnostic)
+
+    def raise_if_any(self) -> None:
+        """Raise all faults found so far."""
+        if self.found:
+            raise self.error(self.found)
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A sentence that offers the nearest known name, or nothing."""
+    matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f"did you mean '{matches[0]}'?" if matches else ""
