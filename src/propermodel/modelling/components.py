@@ -1,0 +1,316 @@
+"""How a class body becomes a component: the only module with descriptors and class hooks.
+
+The class body is the model. Names are taken from it; ports, parts and parameters are looked up by identity, so that
+nothing is named twice.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, Generic, Self, TypeVar, dataclass_transform, overload
+
+from propermodel.diagnostics import Involved, ModelError, Path, Source, nearest
+from propermodel.expressions.core import Expr, ExprLike, SymbolKind, as_expr, lookup
+from propermodel.expressions.units import parse_unit
+from propermodel.modelling.domains import Domain
+from propermodel.modelling.model import TableValues
+from propermodel.modelling.references import Declared, reference
+
+D = TypeVar("D", bound=Domain)
+
+
+def call_site(depth: int) -> Source:
+    """The file and line of the author, `depth` frames above the caller."""
+    frame = sys._getframe(depth + 1)  # pyright: ignore[reportPrivateUsage]
+    return Source(frame.f_code.co_filename, frame.f_lineno)
+
+
+class Parameter(Declared):
+    """A physical parameter of a component; an expression, so it can be handed to parts and used in laws."""
+
+    __slots__ = ("default", "doc", "high", "low", "origin", "status")
+
+    def __init__(
+        self,
+        unit: str,
+        default: Expr | None,
+        low: float,
+        high: float,
+        origin: str,
+        status: str,
+        doc: str,
+    ) -> None:
+        super().__init__(SymbolKind.PARAMETER, unit)
+        for name, value in {
+            "default": default,
+            "low": low,
+            "high": high,
+            "origin": origin,
+            "status": status,
+            "doc": doc,
+        }.items():
+            object.__setattr__(self, name, value)
+
+    def __get__(self, instance: Component | None, owner: type | None = None) -> Parameter:
+        if instance is None:
+            return self
+        return self.view(instance, instance.name_of(self))  # pyright: ignore[reportReturnType]
+
+    def __set__(self, instance: Component, value: ExprLike) -> None:
+        raise AttributeError("a component is immutable; make a variant with replace(component, ...)")
+
+
+def parameter(
+    unit: str,
+    *,
+    default: ExprLike | None = None,
+    low: float = float("-inf"),
+    high: float = float("inf"),
+    source: str = "",
+    status: str = "",
+    doc: str = "",
+) -> Any:
+    """Declare a parameter in the body of a component, with its unit and where its value comes from.
+
+    Numbers are in `unit`; a range `low` to `high` is checked when values are given. `status` says how sure the value
+    is: published, derived, estimated.
+    """
+    value = None if default is None else in_unit(default, unit)
+    return Parameter(unit, value, low, high, source, status, doc)
+
+
+def in_unit(value: ExprLike, unit: str) -> Expr:
+    """A number in `unit` as SI, an expression as it is."""
+    if isinstance(value, Expr):
+        return value
+    return as_expr(float(value) if unit in _SI_ALREADY else float(value) * parse_unit(unit).factor)
+
+
+_SI_ALREADY = frozenset(
+    "1 m s kg N Pa W J K m/s rad rad/s N.m N/m N.s/m kg.m2 m2 m3 m3/s Hz V A Ohm F H".split()
+)
+
+
+class Table(Declared):
+    """A table of a component: `self.map(x)` or `self.map(x, y)` in a law is its linear interpolation."""
+
+    __slots__ = ("coordinate_units", "extrapolation", "origin", "values")
+
+    def __init__(
+        self,
+        unit: str,
+        coordinate_units: tuple[str, ...],
+        values: TableValues,
+        extrapolation: str = "hold",
+        origin: str = "",
+    ) -> None:
+        super().__init__(SymbolKind.TABLE, unit)
+        for name, value in {
+            "coordinate_units": coordinate_units,
+            "values": values,
+            "extrapolation": extrapolation,
+            "origin": origin,
+        }.items():
+            object.__setattr__(self, name, value)
+
+    def __get__(self, instance: Component | None, owner: type | None = None) -> TableView | Table:
+        if instance is None:
+            return self
+        return TableView(self.view(instance, instance.name_of(self)))
+
+
+class TableView:
+    """A table seen from a law; call it to interpolate."""
+
+    def __init__(self, leaf: Expr) -> None:
+        self.leaf = leaf
+
+    def __call__(self, *coordinates: ExprLike) -> Expr:
+        return lookup(self.leaf, *coordinates)
+
+
+class Port(Generic[D]):
+    """A power port of a component. Its `effort`, `flow` and `power` are observables, positive into the component."""
+
+    def __init__(self, domain: type[D], *, between: tuple[Port[D], Port[D]] | None = None) -> None:
+        self.domain = domain
+        self.between = between
+        self.root: object = self
+        self.path = Path()
+        self.source = call_site(1)
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, instance: Component, owner: type) -> Self: ...
+    def __get__(self, instance: Component | None, owner: type) -> Self:
+        if instance is None:
+            return self
+        view = object.__new__(type(self))
+        view.domain, view.between, view.source = self.domain, self.between, self.source
+        view.root, view.path = instance.root, instance.path / instance.name_of(self)
+        return view
+
+    @property
+    def effort(self) -> Expr:
+        """The effort at this port."""
+        return reference(SymbolKind.EFFORT, self.root, self.path / "effort", self.domain.effort_unit)
+
+    @property
+    def flow(self) -> Expr:
+        """The flow into this port."""
+        return reference(SymbolKind.FLOW, self.root, self.path / "flow", self.domain.flow_unit)
+
+    @property
+    def power(self) -> Expr:
+        """The power into this port."""
+        return reference(SymbolKind.POWER, self.root, self.path / "power", "W" if self.domain.is_true else "")
+
+    @property
+    def displacement(self) -> Expr:
+        """The displacement of the compliance at this port."""
+        unit = self.domain.displacement_unit
+        return reference(SymbolKind.DISPLACEMENT, self.root, self.path / "displacement", unit)
+
+    @property
+    def momentum(self) -> Expr:
+        """The momentum of the inertia at this port."""
+        return reference(SymbolKind.MOMENTUM, self.root, self.path / "momentum", self.domain.momentum_unit)
+
+
+class Repeated:
+    """Several parts of one class: `axles = repeat(3, Axle(...))` makes `axles[0]`, `axles[1]`, `axles[2]`."""
+
+    def __init__(self, parts: tuple[Component, ...]) -> None:
+        self.parts = parts
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.parts)
+
+    def __getitem__(self, index: int) -> Any:
+        return self.parts[index]
+
+    def __get__(self, instance: Component | None, owner: type | None = None) -> Repeated:
+        if instance is None:
+            return self
+        return Repeated(tuple(part.__get__(instance, owner) for part in self.parts))
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(parameter,))
+class Component:
+    """What a user declares and wires: subclass it and describe the model in the class body."""
+
+    connections: ClassVar[tuple[Any, ...]] = ()
+    energy_group: ClassVar[bool] = False
+    declarations: ClassVar[Mapping[str, Any]] = {}
+    names: ClassVar[Mapping[int, str]] = {}
+    source: Source
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        declarations: dict[str, Any] = {}
+        for base in reversed(cls.__mro__):
+            for name, value in vars(base).items():
+                if isinstance(value, (Parameter, Table, Port, Component, Repeated, Declared)):
+                    declarations[name] = value
+                elif name in declarations:
+                    del declarations[name]
+        cls.declarations = declarations
+        cls.names = _names(cls, declarations)
+        frame = call_site(1)
+        cls.defined_at = Source(frame.file, cls.__dict__.get("__firstlineno__", frame.line))
+
+    defined_at: ClassVar[Source] = Source("", 0)
+
+    def __init__(self, **values: Any) -> None:
+        known = {name for name, value in self.declarations.items() if isinstance(value, (Parameter, Table))}
+        site = call_site(1)
+        for name in values:
+            if name not in known:
+                raise ModelError.of(
+                    "model/unknown-parameter",
+                    f"{type(self).__name__} has no parameter '{name}'",
+                    source=site,
+                    involved=[Involved(n, "is a parameter of it", self.defined_at) for n in sorted(known)],
+                    help=nearest(name, known),
+                )
+        self._set(root=self, path=Path(), values=values, replaced={}, source=site)
+
+    def _set(self, **attributes: Any) -> None:
+        for name, value in attributes.items():
+            object.__setattr__(self, name, value)
+
+    root: Any
+    path: Path
+    values: dict[str, Any]
+    replaced: dict[str, Component]
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"components are immutable; make a variant with replace(component, {name}=...)")
+
+    def __get__(self, instance: Component | None, owner: type | None = None) -> Self:
+        if instance is None:
+            return self
+        name = instance.name_of(self)
+        part = instance.replaced.get(name, self)
+        view = object.__new__(type(part))
+        view._set(
+            root=instance.root,
+            path=instance.path / name,
+            values=part.values,
+            replaced=part.replaced,
+            source=part.source,
+        )
+        return view  # pyright: ignore[reportReturnType]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Component) and self.root is other.root and self.path == other.path
+
+    def __hash__(self) -> int:
+        return hash((id(self.root), self.path))
+
+    def name_of(self, declared: object) -> str:
+        """The name that the class body gives to one of its ports, parameters or parts."""
+        return type(self).names[id(declared)]
+
+
+def _names(cls: type, declarations: Mapping[str, Any]) -> dict[int, str]:
+    names: dict[int, str] = {}
+    for name, value in declarations.items():
+        members = value.parts if isinstance(value, Repeated) else (value,)
+        for index, member in enumerate(members):
+            if id(member) in names:
+                raise ModelError.of(
+                    "model/two-names",
+                    f"{cls.__name__} gives one object the names '{names[id(member)]}' and '{name}'",
+                    help="make each part its own: front = Axle(...), rear = Axle(...)",
+                )
+            names[id(member)] = f"{name}[{index}]" if isinstance(value, Repeated) else name
+    return names
+
+
+def replace(component: Component, **changes: Any) -> Any:
+    """A variant of a component with other parameter values or other parts, `replace(truck, engine=OtherEngine())`."""
+    values, replaced = dict(component.values), dict(component.replaced)
+    for name, change in changes.items():
+        declared = component.declarations.get(name)
+        if declared is None:
+            raise ModelError.of(
+                "model/unknown-part",
+                f"{type(component).__name__} has no part or parameter '{name}'",
+                source=call_site(1),
+                help=nearest(name, component.declarations),
+            )
+        (replaced if isinstance(declared, Component) else values)[name] = change
+    variant = object.__new__(type(component))
+    variant._set(root=variant, path=Path(), values=values, replaced=replaced, source=call_site(1))  # pyright: ignore[reportPrivateUsage]
+    return variant
+
+
+def repeat(count: int, part: Component) -> Any:
+    """`count` parts like the given one; refer to them as `name[0]`, `name[1]` and so on."""
+    return Repeated(tuple(replace(part) for _ in range(count)))

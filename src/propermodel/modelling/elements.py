@@ -1,0 +1,120 @@
+"""The energetic primitives that authors subclass. The laws offered are the causalities offered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from propermodel.expressions.core import Expr, ExprLike
+from propermodel.modelling.components import Component, Port
+from propermodel.modelling.domains import Domain
+from propermodel.modelling.signals import State
+
+D = TypeVar("D", bound=Domain)
+
+PortValues = Mapping[Port[D], ExprLike]
+
+
+class Resistance(Component):
+    """A one-port R: `effort(flow)`, `flow(effort)`, or both; a linear law is inverted for the author.
+
+    `locked()` may give a condition under which the flow is held at its value near zero (a clutch that has closed).
+    """
+
+
+class MultiportResistance(Component):
+    """A multiport R: methods `efforts_and_flows_...` are replaced by `laws()`, one mapping for each causality.
+
+    Each mapping gives one variable of every port, `{self.shaft.effort: ..., self.oil.flow: ...}`, in terms of the other
+    variables (`self.shaft.flow`, `self.oil.effort`).
+    """
+
+    def laws(self) -> tuple[Mapping[Expr, ExprLike], ...]:
+        """One mapping for each causality offered."""
+        raise TypeError(f"{type(self).__name__} must define laws()")
+
+
+class Compliance(Component):
+    """A one-port C: `effort(displacement)` and/or `displacement(effort)`; `energy(displacement)` unless linear.
+
+    `start()` gives the displacement at the start, `limits()` the range it is meant for.
+    """
+
+
+class Inertia(Component):
+    """A one-port I: `flow(momentum)` and/or `momentum(flow)`; `energy(momentum)` unless linear.
+
+    `start()` gives the momentum at the start, `limits()` the range it is meant for.
+    """
+
+
+class MultiportCompliance(Component):
+    """A multiport C in coordinates of the author's choice, declared as `State`s.
+
+    `displacements()` and `efforts()` give one expression per port in the coordinates; `energy()` the stored energy.
+    Where only `energy()` is given and each coordinate is named after its port, the efforts are its gradient.
+    """
+
+
+class MultiportInertia(Component):
+    """A multiport I in coordinates of the author's choice: `momenta()`, `flows()`, `energy()`."""
+
+
+class EffortSource(Component):
+    """An effort source; `effort()` gives its value."""
+
+
+class FlowSource(Component):
+    """A flow source; `flow()` gives its value."""
+
+
+class Transformer(Component):
+    """A two-port with e_a = m e_b, f_b = m f_a; `modulus()` gives m. Power enters at `a` and leaves at `b`."""
+
+
+class Gyrator(Component):
+    """A two-port with e_a = r f_b, e_b = r f_a; `modulus()` gives r. Power enters at `a` and leaves at `b`."""
+
+
+class Junction(Component):
+    """A junction written out; `port` is where bonds end."""
+
+
+class ZeroJunction(Junction):
+    """A 0-junction: one effort, flows sum to zero. Connect it with `bond`."""
+
+
+class OneJunction(Junction):
+    """A 1-junction: one flow, efforts sum to zero. Connect it with `bond`."""
+
+
+ELEMENTS = (
+    Resistance,
+    MultiportResistance,
+    Compliance,
+    Inertia,
+    MultiportCompliance,
+    MultiportInertia,
+    EffortSource,
+    FlowSource,
+    Transformer,
+    Gyrator,
+)
+
+__all__ = [
+    "ELEMENTS",
+    "Compliance",
+    "EffortSource",
+    "FlowSource",
+    "Gyrator",
+    "Inertia",
+    "Junction",
+    "MultiportCompliance",
+    "MultiportInertia",
+    "MultiportResistance",
+    "OneJunction",
+    "Resistance",
+    "State",
+    "Transformer",
+    "ZeroJunction",
+]

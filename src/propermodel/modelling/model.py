@@ -1,0 +1,376 @@
+"""The model as plain data: what a document holds, a program may build and the studio edits.
+
+A `Part` is a named use of a `Definition` with values for its parameters. Expressions inside a definition use symbols
+whose paths are relative to it, so a definition is shared by all its uses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+from propermodel.diagnostics import NO_SOURCE, Path, Source
+from propermodel.expressions.core import Expr
+from propermodel.modelling.domains import DomainData
+
+
+class Variable(StrEnum):
+    """The two variables of a bond."""
+
+    EFFORT = "effort"
+    FLOW = "flow"
+
+    @property
+    def other(self) -> Variable:
+        """The conjugate variable."""
+        return Variable.FLOW if self is Variable.EFFORT else Variable.EFFORT
+
+
+class JunctionKind(StrEnum):
+    """0-junction (common effort) or 1-junction (common flow)."""
+
+    ZERO = "0"
+    ONE = "1"
+
+    @property
+    def common(self) -> Variable:
+        """The variable that all bonds of the junction share."""
+        return Variable.EFFORT if self is JunctionKind.ZERO else Variable.FLOW
+
+    @property
+    def dual(self) -> JunctionKind:
+        """The other kind."""
+        return JunctionKind.ONE if self is JunctionKind.ZERO else JunctionKind.ZERO
+
+
+class ElementKind(StrEnum):
+    """The energetic primitives."""
+
+    RESISTANCE = "R"
+    COMPLIANCE = "C"
+    INERTIA = "I"
+    EFFORT_SOURCE = "Se"
+    FLOW_SOURCE = "Sf"
+    TRANSFORMER = "TF"
+    GYRATOR = "GY"
+
+    @property
+    def is_storage(self) -> bool:
+        """Whether the element stores energy."""
+        return self in (ElementKind.COMPLIANCE, ElementKind.INERTIA)
+
+    @property
+    def is_energetic(self) -> bool:
+        """Whether the element stores or dissipates, so that it has a row in a ranking."""
+        return self.is_storage or self is ElementKind.RESISTANCE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """One variable that a law gives."""
+
+    port: str
+    variable: Variable
+    value: Expr
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResistanceLaw:
+    """One causality of a resistance: what it gives when the other variable of each port is known."""
+
+    results: tuple[Result, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Resistive:
+    """A resistance: a law for each causality it can take. `locked` is the condition under which its flow is held."""
+
+    laws: tuple[ResistanceLaw, ...]
+    locked: Expr | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coordinate:
+    """One state of a storage: name, unit, start value and the range outside which the model is not meant to be."""
+
+    name: str
+    unit: str
+    start: Expr
+    low: Expr
+    high: Expr
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Storage:
+    """A compliance or inertia in coordinates c: stored quantity per port q(c) or p(c), port variable e(c) or f(c).
+
+    `inverse` gives the coordinate from the port variable (one port only), for dependent storage.
+    """
+
+    kind: ElementKind
+    coordinates: tuple[Coordinate, ...]
+    stored: tuple[tuple[str, Expr], ...]
+    outputs: tuple[tuple[str, Expr], ...]
+    energy: Expr
+    inverse: Expr | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PowerSource:
+    """An effort or flow source with its value."""
+
+    kind: ElementKind
+    value: Expr
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TwoPort:
+    """Transformer (e_a = m e_b, f_b = m f_a) or gyrator (e_a = r f_b, e_b = r f_a); power enters at a, leaves at b."""
+
+    kind: ElementKind
+    modulus: Expr
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """Signal processing: outputs and derivatives of continuous states as expressions."""
+
+    outputs: tuple[tuple[str, Expr], ...]
+    states: tuple[Coordinate, ...] = ()
+    derivatives: tuple[tuple[str, Expr], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sampled:
+    """A controller: discrete states and outputs (name, unit, start), updated together once a period."""
+
+    period: Expr
+    starts: tuple[tuple[str, str, Expr], ...]
+    updates: tuple[tuple[str, Expr], ...]
+
+
+Behaviour = Resistive | Storage | PowerSource | TwoPort | JunctionKind | Block | Sampled | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PortData:
+    """A power port. `between` names two outer ports when the element acts on their difference."""
+
+    name: str
+    domain: str
+    between: tuple[str, str] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterData:
+    """A parameter: unit, default (an expression of the same definition's parameters), range and provenance."""
+
+    name: str
+    unit: str
+    default: Expr | None = None
+    low: float = float("-inf")
+    high: float = float("inf")
+    source: str = ""
+    status: str = ""
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TableValues:
+    """The numbers of a table: one or two strictly growing grids, and the values in row-major order."""
+
+    grids: tuple[tuple[float, ...], ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableSpec:
+    """A table of a definition; its numbers can be exchanged at run time."""
+
+    name: str
+    unit: str
+    coordinate_units: tuple[str, ...]
+    extrapolation: str
+    values: TableValues
+    source: str = ""
+
+
+class Direction(StrEnum):
+    """Whether a signal port reads or gives."""
+
+    INPUT = "input"
+    OUTPUT = "output"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalData:
+    """A signal port."""
+
+    name: str
+    unit: str
+    direction: Direction
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Node:
+    """Ports joined to one node; its junction follows from the domain."""
+
+    ports: tuple[Path, ...]
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HalfArrow:
+    """A bond from one port or junction to another; power is positive along it."""
+
+    tail: Path
+    head: Path
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalLink:
+    """A signal (an expression of observables and signals) that drives inputs or outputs."""
+
+    value: Expr
+    targets: tuple[Path, ...]
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+class Opening(StrEnum):
+    """What an open port of the root means."""
+
+    FREE = "free"  # no effort on a shared-flow domain, no flow on a shared-effort domain
+    FLOW = "flow"  # the scenario prescribes the flow
+    EFFORT = "effort"  # the scenario prescribes the effort
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenPort:
+    """How a port stands open when its component is the root of a model."""
+
+    port: Path
+    opening: Opening
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+Connection = Node | HalfArrow | SignalLink | OpenPort
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Definition:
+    """What a component class says, as data."""
+
+    type_name: str
+    doc: str
+    ports: tuple[PortData, ...] = ()
+    parameters: tuple[ParameterData, ...] = ()
+    tables: tuple[TableSpec, ...] = ()
+    signals: tuple[SignalData, ...] = ()
+    behaviour: Behaviour = None
+    parts: tuple[Part, ...] = ()
+    connections: tuple[Connection, ...] = ()
+    is_energy_group: bool = False  # its elements are one row of a ranking
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A named use of a definition; values are expressions of the surrounding definition's parameters."""
+
+    name: str
+    definition: Definition
+    values: tuple[tuple[str, Expr], ...] = ()
+    tables: tuple[tuple[str, TableValues], ...] = ()
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+# Removals. A bond is named by the element's port it ends on.
+
+
+@dataclass(frozen=True, slots=True)
+class ZeroEffort:
+    """The bond carries no effort: the term is missing from an effort sum."""
+
+    bond: Path
+
+
+@dataclass(frozen=True, slots=True)
+class ZeroFlow:
+    """The bond carries no flow: rigid, clamped, closed."""
+
+    bond: Path
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantEffort:
+    """The element at the bond becomes a source of constant effort."""
+
+    bond: Path
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantFlow:
+    """The element at the bond becomes a source of constant flow."""
+
+    bond: Path
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """The element no longer acts on the system, but is still driven by it: `driven` names what it receives."""
+
+    bond: Path
+    driven: Variable
+
+
+@dataclass(frozen=True, slots=True)
+class Freeze:
+    """The signal keeps a constant value."""
+
+    signal: Path
+    value: float
+
+
+Removal = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Freeze
+BondRemoval = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """A complete model: the root definition with its parameter values, the domains used, and removals made."""
+
+    name: str
+    root: Part
+    domains: tuple[DomainData, ...]
+    removals: tuple[Removal, ...] = ()
+
+    def without(self, removals: Iterable[Removal]) -> Model:
+        """The model with further removals."""
+        return replace(self, removals=(*self.removals, *removals))
+
+    def domain(self, name: str) -> DomainData:
+        """The domain of this name."""
+        return next(domain for domain in self.domains if domain.name == name)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """Excitation, initial values, parameter values and time window of a run, as plain data.
+
+    `inputs` gives root inputs (and prescribed root ports, `road.flow`) by path: a number, or a table over time.
+    `tables` exchanges the numbers of tables by path. `initial` sets the displacement, momentum or coordinate of a
+    storage, or the start of a discrete state, by path. `parameters` sets parameters by path, in SI.
+    """
+
+    name: str = "scenario"
+    start: float = 0.0
+    stop: float = 1.0
+    inputs: Mapping[Path, float | TableValues] = field(default_factory=dict[Path, float | TableValues])
+    tables: Mapping[Path, TableValues] = field(default_factory=dict[Path, TableValues])
+    initial: Mapping[Path, float] = field(default_factory=dict[Path, float])
+    parameters: Mapping[Path, float] = field(default_factory=dict[Path, float])
+    description: str = ""
