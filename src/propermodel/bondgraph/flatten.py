@@ -1,0 +1,503 @@
+"""From a hierarchical model to its flat bond graph in normal form, removals included."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from propermodel.bondgraph.graph import (
+    Bond,
+    BondGraph,
+    Element,
+    End,
+    FlatParameter,
+    FlatTable,
+    Junction,
+    NodePort,
+    SampledController,
+    SignalState,
+    Structure,
+)
+from propermodel.bondgraph.net import Net
+from propermodel.bondgraph.removals import apply_removals
+from propermodel.bondgraph.scope import Scope
+from propermodel.bondgraph.simplify import normalise
+from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, nearest
+from propermodel.expressions.core import TIME, Expr, SymbolKind, constant, lookup, symbol
+from propermodel.modelling.domains import Shared
+from propermodel.modelling.model import (
+    Block,
+    Definition,
+    Direction,
+    ElementKind,
+    Freeze,
+    HalfArrow,
+    JunctionKind,
+    Model,
+    Node,
+    Opening,
+    OpenPort,
+    Part,
+    PowerSource,
+    Resistive,
+    Sampled,
+    SignalLink,
+    Storage,
+    TableSpec,
+    TableValues,
+    TwoPort,
+)
+
+
+def flatten(model: Model) -> BondGraph:
+    """The bond graph of a model: hierarchy resolved, removals made, in normal form.
+
+    Raises:
+        ModelError: a port is unconnected, an input undriven, a removal names nothing.
+    """
+    walk = _Flattening(model)
+    walk.visit(model.root)
+    walk.drive_signals()
+    walk.check_removals()
+    original = walk.structure()
+    walk.define_inputs()
+    walk.faults.raise_if_any()
+    net = Net(original)
+    zeros, extra_signals = apply_removals(net, model.removals)
+    normalise(net, zeros)
+    walk.signals.update(extra_signals)
+    normal = net.freeze()
+    return BondGraph(
+        model=model,
+        normal=normal,
+        original=original,
+        domains={domain.name: domain for domain in model.domains},
+        signals=walk.signals,
+        signal_states=tuple(walk.signal_states),
+        controllers=tuple(walk.controllers),
+        parameters=walk.parameters,
+        tables=walk.tables,
+        node_ports=walk.node_ports,
+        removals=model.removals,
+        known_zero={name: v for name, v in net.known_zero.items() if name in original.bonds},
+        idle=tuple(path for path in original.elements if path not in normal.elements),
+    )
+
+
+class _Flattening:
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.domains = {domain.name: domain for domain in model.domains}
+        self.faults = Faults(ModelError)
+        self.elements: dict[Path, Element] = {}
+        self.written: dict[Path, Junction] = {}
+        self.port_domain: dict[Path, str] = {}
+        self.parent: dict[Path, Path] = {}
+        self.node_source: dict[Path, Source] = {}
+        self.links: list[tuple[Path, Expr, Source]] = []
+        self.arrows: list[tuple[Path, Path, Source]] = []
+        self.element_ports: list[tuple[Path, Path, str]] = []  # port path, element path, port name
+        self.openings: dict[Path, Opening] = {}
+        self.composites: list[Path] = []
+        self.signals: dict[Expr, Expr] = {}
+        self.declared_signals: dict[Expr, tuple[Direction, Source]] = {}
+        self.signal_states: list[SignalState] = []
+        self.controllers: list[SampledController] = []
+        self.parameters: dict[Path, FlatParameter] = {}
+        self.tables: dict[Path, FlatTable] = {}
+        self.node_ports: dict[Path, NodePort] = {}
+        self.frozen = {r.signal: r.value for r in model.removals if isinstance(r, Freeze)}
+
+    # -- hierarchy ---------------------------------------------------------------------------------
+
+    def visit(self, root: Part) -> None:
+        """Add the root and all parts below it."""
+        stack: list[tuple[Part, Path, Scope, Path | None]] = [(root, Path(), Scope(Path()), None)]
+        while stack:
+            part, path, parent_scope, group = stack.pop()
+            definition = part.definition
+            scope = self.declare(part, path, parent_scope)
+            if group is None and definition.is_energy_group:
+                group = path
+            self.behave(definition, path, scope, group, part.source)
+            for connection in definition.connections:
+                self.connect(connection, path, scope)
+            self.check_ports(definition, path)
+            stack.extend((inner, path / inner.name, scope, group) for inner in reversed(definition.parts))
+
+    def declare(self, part: Part, path: Path, parent_scope: Scope) -> Scope:
+        """Declare parameters, tables, signals and ports of a part; gives the scope of its expressions."""
+        definition = part.definition
+        scope = Scope(path)
+        values = dict(part.values)
+        for data in definition.parameters:
+            flat = symbol(SymbolKind.PARAMETER, path / data.name, data.unit)
+            value = parent_scope(values[data.name]) if data.name in values else None
+            if value is None and data.default is not None:
+                value = scope(data.default)
+            if value is None:
+                self.faults.add(
+                    Diagnostic(
+                        "model/missing-parameter",
+                        f"'{path / data.name}' has no value",
+                        source=part.source,
+                        help=f"give it a value in {data.unit}",
+                    )
+                )
+                value = constant(0.0)
+            self.parameters[path / data.name] = FlatParameter(
+                path=path / data.name,
+                unit=data.unit,
+                symbol=flat,
+                value=value,
+                low=data.low,
+                high=data.high,
+                origin=data.source,
+                status=data.status,
+            )
+        tables = dict(part.tables)
+        for spec in definition.tables:
+            self.tables[path / spec.name] = FlatTable(
+                path=path / spec.name,
+                symbol=symbol(SymbolKind.TABLE, path / spec.name, spec.unit),
+                spec=spec,
+                values=tables.get(spec.name, spec.values),
+            )
+        for signal in definition.signals:
+            leaf = symbol(SymbolKind.SIGNAL, path / signal.name, signal.unit)
+            self.declared_signals[leaf] = (signal.direction, part.source)
+        for port in definition.ports:
+            self.port_domain[path / port.name] = port.domain
+            self.parent.setdefault(path / port.name, path / port.name)
+        return scope
+
+    def behave(self, definition: Definition, path: Path, scope: Scope, group: Path | None, source: Source) -> None:
+        """Add the element, junction, block or controller that a part is."""
+        behaviour = definition.behaviour
+        match behaviour:
+            case None:
+                self.composites.append(path)
+            case JunctionKind():
+                self.written[path] = Junction(path=path, kind=behaviour, source=source)
+            case Block():
+                for name, value in behaviour.outputs:
+                    self.define(scope.own(SymbolKind.SIGNAL, name, definition), scope(value))
+                rates = dict(behaviour.derivatives)
+                for coordinate in behaviour.states:
+                    self.signal_states.append(
+                        SignalState(
+                            symbol=symbol(SymbolKind.STATE, path / coordinate.name, coordinate.unit),
+                            coordinate=scope.coordinate(coordinate),
+                            derivative=scope(rates[coordinate.name]) if coordinate.name in rates else constant(0.0),
+                            source=source,
+                        )
+                    )
+            case Sampled():
+                self.controllers.append(scope.controller(behaviour, source))
+                for name, _, _ in behaviour.starts:
+                    leaf = scope.own(SymbolKind.SIGNAL, name, definition)
+                    if leaf is not None:
+                        self.define(leaf, symbol(SymbolKind.DISCRETE, path / name, leaf.data.unit))
+            case Resistive() | Storage() | PowerSource() | TwoPort():
+                self.add_element(definition, path, scope, group, source)
+
+    def add_element(self, definition: Definition, path: Path, scope: Scope, group: Path | None, source: Source) -> None:
+        """Add an element with its ports, and the junction of an element between two ports."""
+        outer = {name for port in definition.ports if port.between for name in port.between}
+        ports = tuple(port.name for port in definition.ports if port.name not in outer)
+        behaviour = scope.behaviour(definition.behaviour)
+        if isinstance(behaviour, Resistive):
+            kind = ElementKind.RESISTANCE
+        else:
+            kind = behaviour.kind
+        self.elements[path] = Element(
+            path=path, kind=kind, ports=ports, behaviour=behaviour, row=group or path, source=source
+        )
+        for port in definition.ports:
+            if port.between:
+                shared = self.domains[port.domain].shared
+                kind = JunctionKind.ZERO if shared is Shared.FLOW else JunctionKind.ONE
+                middle = path / "difference"
+                self.written[middle] = Junction(path=middle, kind=kind, source=source)
+                self.arrows.append((path / port.between[0], middle, source))
+                self.arrows.append((middle, path / port.between[1], source))
+                self.arrows.append((middle, path / port.name, source))
+        self.element_ports.extend((path / name, path, name) for name in ports)
+
+    # -- wiring ------------------------------------------------------------------------------------
+
+    def connect(self, connection: object, path: Path, scope: Scope) -> None:
+        """Add one connection of a composite."""
+        match connection:
+            case Node():
+                ports = [path + port for port in connection.ports]
+                for port in ports:
+                    self.parent.setdefault(port, port)
+                for port in ports[1:]:
+                    self.union(ports[0], port)
+                self.node_source.setdefault(self.find(ports[0]), connection.source)
+            case HalfArrow():
+                self.arrows.append((path + connection.tail, path + connection.head, connection.source))
+            case SignalLink():
+                value = scope(connection.value)
+                self.links.extend((path + target, value, connection.source) for target in connection.targets)
+            case OpenPort():
+                if not path:
+                    self.openings[connection.port] = connection.opening
+            case _:
+                raise TypeError(f"unknown connection {connection!r}")
+
+    def drive_signals(self) -> None:
+        """Let every signal link drive its targets, now that all signals are declared."""
+        by_path = {leaf.data.path: leaf for leaf in self.declared_signals}
+        for target, value, source in self.links:
+            if target in by_path:
+                self.define(by_path[target], value, source)
+            else:
+                self.faults.add(
+                    Diagnostic(
+                        "model/unknown-signal",
+                        f"'{target}' is not an input or output",
+                        source=source,
+                        help=nearest(str(target), (str(path) for path in by_path)),
+                    )
+                )
+
+    def define(self, leaf: Expr | None, value: Expr, source: Source | None = None) -> None:
+        """Give a signal its value; a signal has one."""
+        if leaf is None:
+            return
+        if leaf.data.path in self.frozen:
+            value = constant(self.frozen[leaf.data.path])
+        elif leaf in self.signals:
+            self.faults.add(
+                Diagnostic(
+                    "model/signal-driven-twice",
+                    f"'{leaf.data.path}' is driven twice",
+                    source=source or Source("", 0),
+                    help="an input takes one signal; add them in a block if both are meant",
+                )
+            )
+        self.signals[leaf] = value
+
+    def find(self, port: Path) -> Path:
+        """The representative of a node."""
+        parent = self.parent
+        while parent[port] != port:
+            parent[port] = parent[parent[port]]
+            port = parent[port]
+        return port
+
+    def union(self, a: Path, b: Path) -> None:
+        """Join two nodes; the port nearest the root names the node."""
+        a, b = self.find(a), self.find(b)
+        if a != b:
+            keep, gone = (a, b) if (len(a), a) <= (len(b), b) else (b, a)
+            self.parent[gone] = keep
+
+    def check_ports(self, definition: Definition, path: Path) -> None:
+        """Every port of a part is named by a connection of the component that has the part."""
+        if definition.behaviour is not None:
+            return
+        named: set[Path] = set()
+        for connection in definition.connections:
+            if isinstance(connection, Node):
+                named.update(connection.ports)
+            elif isinstance(connection, HalfArrow):
+                named.update((connection.tail, connection.head))
+            elif isinstance(connection, OpenPort):
+                named.add(connection.port)
+        for part in definition.parts:
+            between = {p.name: p for p in part.definition.ports if p.between}
+            for port in part.definition.ports:
+                if port.name not in between and Path((part.name, port.name)) not in named:
+                    self.faults.add(
+                        Diagnostic(
+                            "model/unconnected-port",
+                            f"the {port.domain} port '{path / part.name / port.name}' is not connected",
+                            source=part.source,
+                            involved=(Involved(str(path / part.name), f"is a {part.definition.type_name}", part.source),),
+                            help="connect it, or end it with a source (a fixed flange, a ground, an ambient)",
+                        )
+                    )
+
+    def open_ports(self) -> None:
+        """Give open ports of the root their source."""
+        for port in self.model.root.definition.ports:
+            path = Path((port.name,))
+            opening = self.openings.get(path)
+            if opening is None:
+                self.faults.add(
+                    Diagnostic(
+                        "model/open-port",
+                        f"the port '{port.name}' of the root {self.model.name} is open",
+                        source=self.model.root.definition.source,
+                        help=f"say how: free({port.name}), prescribed_flow({port.name}) or "
+                        f"prescribed_effort({port.name}) in its connections, or connect it in a larger model",
+                    )
+                )
+            elif opening is not Opening.FREE:
+                self.add_port_source(path, opening)
+
+    def add_port_source(self, path: Path, opening: Opening) -> None:
+        domain = self.domains[self.port_domain[path]]
+        is_flow = opening is Opening.FLOW
+        unit = domain.flow_unit if is_flow else domain.effort_unit
+        table = self.input_table(path / opening.value, unit)
+        kind = ElementKind.FLOW_SOURCE if is_flow else ElementKind.EFFORT_SOURCE
+        element = path / "source"
+        self.elements[element] = Element(
+            path=element,
+            kind=kind,
+            ports=("port",),
+            behaviour=PowerSource(kind=kind, value=table),
+            row=element,
+            source=self.model.root.definition.source,
+        )
+        port = element / "port"
+        self.port_domain[port] = domain.name
+        self.parent[port] = port
+        self.union(path, port)
+        self.element_ports.append((port, element, "port"))
+
+    def input_table(self, path: Path, unit: str) -> Expr:
+        """A root input as a look-up over time."""
+        leaf = symbol(SymbolKind.TABLE, path, unit)
+        values = TableValues(((0.0, 1.0),), (0.0, 0.0))
+        spec = TableSpec(name=path.name, unit=unit, coordinate_units=("s",), extrapolation="hold", values=values)
+        self.tables[path] = FlatTable(path=path, symbol=leaf, spec=spec, values=values, is_input=True)
+        return lookup(leaf, TIME)
+
+    # -- result ------------------------------------------------------------------------------------
+
+    def structure(self) -> Structure:
+        """The graph as drawn: a junction for every node."""
+        self.open_ports()
+        junctions = dict(self.written)
+        bonds: dict[Path, Bond] = {}
+        terminals = {port: (element, name) for port, element, name in self.element_ports}
+
+        def place(path: Path) -> End:
+            if path in self.written:
+                return End(path)
+            node = self.find(path)
+            if node not in junctions:
+                shared = self.domains[self.port_domain[path]].shared
+                kind = JunctionKind.ONE if shared is Shared.FLOW else JunctionKind.ZERO
+                junctions[node] = Junction(path=node, kind=kind, source=self.node_source.get(node, Source("", 0)))
+            return End(node)
+
+        def domain_of(*paths: Path) -> str:
+            return next((self.port_domain[p] for p in paths if p in self.port_domain), "")
+
+        for tail, head, _ in self.arrows:
+            # A port of an element that only arrows reach needs no node of its own.
+            ends = [
+                End(*terminals[p]) if p in terminals and self.find(p) == p and not self.has_others(p) else place(p)
+                for p in (tail, head)
+            ]
+            name = next((p for p in (head, tail) if p in terminals and ends[(tail, head).index(p)].port), None)
+            if name is None:
+                name = Path((f"{tail}>{head}",))
+            bonds[name] = Bond(name, ends[0], ends[1], domain_of(tail, head))
+        for port, element, label in self.element_ports:
+            if port in bonds:
+                continue
+            node, end = place(port), End(element, label)
+            out = label == "b" and isinstance(self.elements[element].behaviour, TwoPort)
+            tail, head = (end, node) if out else (node, end)
+            bonds[port] = Bond(port, tail, head, self.port_domain[port])
+        self.complete_domains(bonds)
+        structure = Structure(self.elements, junctions, bonds)
+        self.find_node_ports(structure)
+        return structure
+
+    def has_others(self, port: Path) -> bool:
+        """Whether a node holds more than this one port."""
+        if not hasattr(self, "_members"):
+            members: dict[Path, int] = {}
+            for path in list(self.parent):
+                root = self.find(path)
+                members[root] = members.get(root, 0) + 1
+            self._members = members
+        return self._members[self.find(port)] > 1
+
+    def complete_domains(self, bonds: dict[Path, Bond]) -> None:
+        """Bonds between written junctions take the domain of their neighbours."""
+        unknown = [name for name, bond in bonds.items() if not bond.domain]
+        by_owner: dict[Path, str] = {}
+        while unknown:
+            for bond in bonds.values():
+                if bond.domain:
+                    for end in (bond.tail, bond.head):
+                        if not end.port:
+                            by_owner[end.owner] = bond.domain
+            rest: list[Path] = []
+            for name in unknown:
+                bond = bonds[name]
+                domain = by_owner.get(bond.tail.owner) or by_owner.get(bond.head.owner)
+                if domain:
+                    bonds[name] = replace(bond, domain=domain)
+                else:
+                    rest.append(name)
+            if len(rest) == len(unknown):
+                break
+            unknown = rest
+
+    def find_node_ports(self, structure: Structure) -> None:
+        """Remember, for every port of a composite, the bonds on its inner side."""
+        at = structure.at()
+        for path in self.composites:
+            depth = len(path)
+            for port, domain in self._ports_of(path):
+                node = self.find(port)
+                if node not in structure.junctions:
+                    continue
+                inside = tuple(
+                    bond.name
+                    for bond in at[node]
+                    if bond.other(node).owner[:depth] == tuple(path) and len(bond.other(node).owner) > depth
+                )
+                self.node_ports[port] = NodePort(node, inside, domain)
+
+    def _ports_of(self, path: Path) -> list[tuple[Path, str]]:
+        if not hasattr(self, "_by_owner"):
+            by_owner: dict[Path, list[tuple[Path, str]]] = {}
+            for port, domain in self.port_domain.items():
+                by_owner.setdefault(port.parent, []).append((port, domain))
+            self._by_owner = by_owner
+        return self._by_owner.get(path, [])
+
+    def define_inputs(self) -> None:
+        """Root inputs become look-ups over time; any other undriven input is a fault."""
+        for leaf, (direction, source) in self.declared_signals.items():
+            if leaf in self.signals:
+                continue
+            path: Path = leaf.data.path
+            if direction is Direction.INPUT and len(path) == 1:
+                self.define(leaf, self.input_table(path, leaf.data.unit))
+                continue
+            what = "input" if direction is Direction.INPUT else "output"
+            self.faults.add(
+                Diagnostic(
+                    "model/undriven-signal",
+                    f"the {what} '{path}' has no value",
+                    source=source,
+                    help="connect a signal to it: connect(part.port.flow, other.input)",
+                )
+            )
+
+    def check_removals(self) -> None:
+        """Every removal names something that exists."""
+        ports = {port for port, _, _ in self.element_ports}
+        known = {leaf.data.path for leaf in self.declared_signals}
+        for removal in self.model.removals:
+            is_signal = isinstance(removal, Freeze)
+            path = removal.signal if is_signal else removal.bond
+            if path not in (known if is_signal else ports):
+                self.faults.add(
+                    Diagnostic(
+                        "reduction/unknown-removal",
+                        f"a removal names '{path}', which is no {'signal' if is_signal else 'port of an element'}",
+                    )
+                )
+

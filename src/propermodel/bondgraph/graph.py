@@ -1,0 +1,184 @@
+"""The flat bond graph: elements, junctions and bonds, with the signals that modulate and observe them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from propermodel.diagnostics import NO_SOURCE, Path, Source
+from propermodel.expressions.core import Expr
+from propermodel.modelling.model import (
+    Coordinate,
+    DomainData,
+    ElementKind,
+    Freeze,
+    JunctionKind,
+    Model,
+    PowerSource,
+    Removal,
+    Resistive,
+    Storage,
+    TableSpec,
+    TableValues,
+    TwoPort,
+    Variable,
+)
+
+ElementBehaviour = Resistive | Storage | PowerSource | TwoPort
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """One end of a bond: a junction (`port` is empty) or a port of an element."""
+
+    owner: Path
+    port: str = ""
+
+    @property
+    def path(self) -> Path:
+        """The path of the port or junction."""
+        return self.owner / self.port if self.port else self.owner
+
+
+@dataclass(frozen=True, slots=True)
+class Bond:
+    """A power connection; the half arrow points from `tail` to `head`. It is named after the element port it ends on."""
+
+    name: Path
+    tail: End
+    head: End
+    domain: str
+
+    def other(self, owner: Path) -> End:
+        """The end that is not at `owner`."""
+        return self.head if self.tail.owner == owner else self.tail
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Element:
+    """An energetic primitive; the expressions of its laws are in absolute symbols."""
+
+    path: Path
+    kind: ElementKind
+    ports: tuple[str, ...]
+    behaviour: ElementBehaviour
+    row: Path
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Junction:
+    """A 0- or 1-junction."""
+
+    path: Path
+    kind: JunctionKind
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Elements and junctions joined by bonds."""
+
+    elements: Mapping[Path, Element]
+    junctions: Mapping[Path, Junction]
+    bonds: Mapping[Path, Bond]
+
+    def at(self) -> dict[Path, list[Bond]]:
+        """The bonds at every element and junction, in order."""
+        found: dict[Path, list[Bond]] = {path: [] for path in (*self.elements, *self.junctions)}
+        for bond in self.bonds.values():
+            found[bond.tail.owner].append(bond)
+            found[bond.head.owner].append(bond)
+        return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampledController:
+    """A controller in absolute symbols: its discrete values, their starts and updates."""
+
+    path: Path
+    period: Expr
+    starts: tuple[tuple[Expr, Expr], ...]
+    updates: tuple[tuple[Expr, Expr], ...]
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalState:
+    """A continuous state of a signal block."""
+
+    symbol: Expr
+    coordinate: Coordinate
+    derivative: Expr
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlatTable:
+    """A table with its path; `input_of` names the root input that it drives as a function of time."""
+
+    path: Path
+    symbol: Expr
+    spec: TableSpec
+    values: TableValues
+    is_input: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlatParameter:
+    """A parameter with its absolute path and its value as an expression of other parameters."""
+
+    path: Path
+    unit: str
+    symbol: Expr
+    value: Expr
+    low: float = float("-inf")
+    high: float = float("inf")
+    origin: str = ""
+    status: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NodePort:
+    """A port of a composite: the junction it belongs to and the bonds on the component's side of it."""
+
+    junction: Path
+    inside: tuple[Path, ...]
+    domain: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class BondGraph:
+    """A flattened model in normal form, with the structure it had before simplification.
+
+    `normal` is what gets causality and equations; `original` is the graph as drawn, from which the variables of bonds
+    that simplification took away are recovered.
+    """
+
+    model: Model
+    normal: Structure
+    original: Structure
+    domains: Mapping[str, DomainData]
+    signals: Mapping[Expr, Expr]  # every signal symbol and its definition
+    signal_states: tuple[SignalState, ...]
+    controllers: tuple[SampledController, ...]
+    parameters: Mapping[Path, FlatParameter]
+    tables: Mapping[Path, FlatTable]
+    node_ports: Mapping[Path, NodePort]
+    removals: tuple[Removal, ...]
+    known_zero: Mapping[Path, Variable]  # original bonds without effort or without flow
+    idle: tuple[Path, ...]  # elements that removals left without anything to act on
+
+    def __str__(self) -> str:
+        lines = [f"bond graph of {self.model.name}: {len(self.normal.elements)} elements, "]
+        lines[0] += f"{len(self.normal.junctions)} junctions, {len(self.normal.bonds)} bonds"
+        for element in self.normal.elements.values():
+            lines.append(f"  {element.kind:<3} {element.path}")
+        for bond in self.normal.bonds.values():
+            lines.append(f"  {bond.tail.path} -> {bond.head.path}")
+        return "\n".join(lines)
+
+
+def frozen_signals(removals: tuple[Removal, ...]) -> dict[Path, float]:
+    """The signals that removals hold constant."""
+    return {removal.signal: removal.value for removal in removals if isinstance(removal, Freeze)}

@@ -1,0 +1,209 @@
+"""The normal form of a bond graph: exact simplifications, made before causality, ranking and drawing.
+
+What carries no effort or no flow goes; junctions that only pass a bond through go; equal neighbours merge; and rings
+(0-junctions that each join the same two 1-junctions, or the dual) become one junction that carries their one-ports.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import replace
+
+from propermodel.bondgraph.graph import Bond, Element, End, Junction
+from propermodel.bondgraph.net import Net
+from propermodel.diagnostics import Involved, Path, StructureError
+from propermodel.expressions.core import ZERO, is_zero
+from propermodel.modelling.model import ElementKind, JunctionKind, PowerSource, TwoPort, Variable
+
+Zero = tuple[Path, Variable]  # a bond and which of its variables vanishes
+
+
+def normalise(net: Net, zeros: list[Zero]) -> None:
+    """Bring the net to normal form, starting from bonds that are known to carry no effort or no flow."""
+    pending = deque([*zeros, *_zero_sources(net)])
+    while True:
+        while pending:
+            _spread(net, pending.popleft(), pending)
+        pending.extend(_dead_ends(net))
+        if pending:
+            continue
+        changed = _merge_equal(net)
+        changed = _drop_through(net) or changed
+        changed = _resolve_rings(net) or changed
+        if not changed:
+            return
+
+
+def _zero_sources(net: Net) -> list[Zero]:
+    found: list[Zero] = []
+    for element in net.elements.values():
+        behaviour = element.behaviour
+        if isinstance(behaviour, PowerSource) and is_zero(behaviour.value):
+            variable = Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
+            found.extend((bond.name, variable) for bond in net.bonds_at(element.path))
+    return found
+
+
+def _spread(net: Net, zero: Zero, pending: deque[Zero]) -> None:
+    """Take away a bond without effort (or flow) and follow what that means at both ends."""
+    name, variable = zero
+    if name not in net.bonds:
+        return
+    net.known_zero.setdefault(name, variable)
+    bond = net.drop(name)
+    for end in (bond.tail, bond.head):
+        if end.owner not in net.incident:
+            continue
+        if net.is_junction(end):
+            if net.junctions[end.owner].kind.common is variable:
+                pending.extend((other, variable) for other in net.incident[end.owner])
+                if not net.incident[end.owner]:
+                    net.drop_node(end.owner)
+        else:
+            _spread_into_element(net, bond, end, variable, pending)
+
+
+def _spread_into_element(net: Net, bond: Bond, end: End, variable: Variable, pending: deque[Zero]) -> None:
+    element = net.elements[end.owner]
+    if isinstance(element.behaviour, TwoPort):
+        across = variable if element.kind is ElementKind.TRANSFORMER else variable.other
+        pending.extend((other, across) for other in net.incident[element.path])
+        if not net.incident[element.path]:
+            net.drop_node(element.path)
+        return
+    if isinstance(element.behaviour, PowerSource):
+        prescribed = Variable.EFFORT if element.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
+        if prescribed is variable and not is_zero(element.behaviour.value):
+            raise StructureError.of(
+                "structure/source-shorted",
+                f"{element.path} prescribes the {variable} of a bond that cannot have one",
+                source=element.source,
+                involved=[Involved(str(element.path), f"is an {variable} source", element.source)],
+                help=f"a {variable} of zero is prescribed on the same junction: take one of the two away",
+            )
+        net.drop_node(element.path)
+        return
+    if len(element.ports) == 1:
+        net.drop_node(element.path)
+        return
+    # A field keeps its other ports: this one is held at zero by a source.
+    kind = ElementKind.EFFORT_SOURCE if variable is Variable.EFFORT else ElementKind.FLOW_SOURCE
+    source = Element(
+        path=element.path / f"{end.port}_zero",
+        kind=kind,
+        ports=("port",),
+        behaviour=PowerSource(kind=kind, value=ZERO),
+        row=element.path / f"{end.port}_zero",
+        source=element.source,
+    )
+    net.elements[source.path] = source
+    net.incident[source.path] = {}
+    junction = Junction(path=element.path / f"{end.port}_node", kind=JunctionKind.ONE, source=element.source)
+    net.add_junction(junction)
+    net.add(Bond(source.path / "port", End(junction.path), End(source.path, "port"), bond.domain))
+    net.add(replace(bond, tail=End(junction.path), head=end) if bond.head == end else replace(bond, head=End(junction.path)))
+
+
+def _dead_ends(net: Net) -> list[Zero]:
+    """Junctions with one bond left: a lone 1-junction carries no effort, a lone 0-junction no flow."""
+    found: list[Zero] = []
+    for path, junction in list(net.junctions.items()):
+        bonds = net.bonds_at(path)
+        if not bonds:
+            net.drop_node(path)
+        elif len(bonds) == 1:
+            end = bonds[0].other(path)
+            if end.port and len(net.elements[end.owner].ports) == 1:
+                # A storage that keeps its own junction variable (a free mass) stays; all else is idle.
+                kind = net.elements[end.owner].kind
+                keeps = ElementKind.INERTIA if junction.kind is JunctionKind.ONE else ElementKind.COMPLIANCE
+                if kind is keeps or not kind.is_energetic:
+                    continue
+            found.append((bonds[0].name, junction.kind.common.other))
+    return found
+
+
+def _merge_equal(net: Net) -> bool:
+    changed = False
+    for name in list(net.bonds):
+        bond = net.bonds.get(name)
+        if bond is None or bond.tail.port or bond.head.port:
+            continue
+        keep, gone = bond.tail.owner, bond.head.owner
+        if keep == gone:
+            net.drop(name)
+            changed = True
+        elif net.junctions[keep].kind is net.junctions[gone].kind:
+            net.drop(name)
+            if len(net.incident[gone]) > len(net.incident[keep]):
+                keep, gone = gone, keep
+            for other in list(net.incident[gone]):
+                net.move(other, gone, keep)
+            net.drop_node(gone)
+            changed = True
+    return changed
+
+
+def _drop_through(net: Net) -> bool:
+    changed = False
+    for path in list(net.junctions):
+        bonds = net.bonds_at(path)
+        if len(bonds) != 2 or (bonds[0].tail.owner == path) == (bonds[1].tail.owner == path):
+            continue
+        before, after = (bonds[0], bonds[1]) if bonds[0].head.owner == path else (bonds[1], bonds[0])
+        if (before.tail.port and after.head.port) or before.tail.owner == after.head.owner:
+            continue
+        net.drop_node(path)
+        kept = after if after.head.port else before
+        net.add(Bond(kept.name, before.tail, after.head, kept.domain))
+        changed = True
+    return changed
+
+
+def _resolve_rings(net: Net) -> bool:
+    """Collect junctions that each join the same two junctions of the dual kind into one."""
+    rings: dict[tuple[Path, Path, bool], list[tuple[Path, bool]]] = {}
+    for path, junction in net.junctions.items():
+        bonds = net.bonds_at(path)
+        joins = [bond for bond in bonds if not bond.other(path).port]
+        if len(joins) != 2 or len(bonds) == 2:
+            continue
+        if any(net.junctions[b.other(path).owner].kind is junction.kind for b in joins):
+            continue
+        if any(len(net.elements[b.other(path).owner].ports) > 1 for b in bonds if b.other(path).port):
+            continue
+        first, second = sorted(joins, key=lambda b: b.other(path).owner)
+        a, b = first.other(path).owner, second.other(path).owner
+        if a == b:
+            continue
+        into_first, into_second = first.head.owner == path, second.head.owner == path
+        rings.setdefault((a, b, into_first is into_second), []).append((path, into_first))
+    changed = False
+    for (a, b, same_sense), members in rings.items():
+        if len(members) > 1:
+            _collect_ring(net, a, b, same_sense, members)
+            changed = True
+    return changed
+
+
+def _collect_ring(net: Net, a: Path, b: Path, same_sense: bool, members: list[tuple[Path, bool]]) -> None:
+    if not same_sense and not members[0][1]:
+        # Let the first member keep its sense: look at the ring from the other side.
+        a, b = b, a
+        members = [(path, not into_first) for path, into_first in members]
+    model = net.junctions[members[0][0]]
+    common = Junction(path=net.fresh(model.path, "_ring"), kind=model.kind, source=model.source)
+    net.add_junction(common)
+    carrier = Junction(path=net.fresh(model.path, "_ring"), kind=model.kind.dual, source=model.source)
+    net.add_junction(carrier)
+    domain = next(iter(net.bonds_at(model.path))).domain
+    net.add(Bond(common.path / "first", End(a), End(common.path), domain))
+    second = (End(b), End(common.path)) if same_sense else (End(common.path), End(b))
+    net.add(Bond(common.path / "second", *second, domain))
+    net.add(Bond(carrier.path / "carried", End(common.path), End(carrier.path), domain))
+    for path, into_first in members:
+        for bond in net.bonds_at(path):
+            if bond.other(path).owner in (a, b):
+                net.drop(bond.name)
+        ends = (End(carrier.path), End(path)) if into_first else (End(path), End(carrier.path))
+        net.add(Bond(path / "in_ring", *ends, domain))
