@@ -1,0 +1,346 @@
+"""Sequential causality assignment (Karnopp, Margolis and Rosenberg, System Dynamics, ch. 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from propermodel.bondgraph.graph import Bond, BondGraph, Element
+from propermodel.causality.causal import CausalGraph, Stroke, Why
+from propermodel.diagnostics import Diagnostic, Involved, Path, StructureError
+from propermodel.modelling.model import (
+    ElementKind,
+    JunctionKind,
+    PowerSource,
+    Resistive,
+    Storage,
+    TwoPort,
+    Variable,
+)
+
+
+def assign_causality(graph: BondGraph) -> CausalGraph:
+    """Assign every causal stroke.
+
+    Sources first, then laws with one causality, then storage (integral where possible), then the free resistances.
+
+    Raises:
+        StructureError: strokes contradict each other; the elements that forced them are named.
+    """
+    work = Assignment(graph)
+    elements = graph.normal.elements.values()
+    for element in elements:
+        if isinstance(element.behaviour, PowerSource):
+            work.fix(element, work.source_pattern(element), Why.SOURCE)
+    for element in elements:
+        if isinstance(element.behaviour, Resistive) and len(element.behaviour.laws) == 1:
+            work.fix(element, work.law_patterns(element)[0], Why.LAW)
+    integral, derivative = work.assign_storage([e for e in elements if isinstance(e.behaviour, Storage)])
+    for element in elements:
+        if isinstance(element.behaviour, Resistive):
+            work.choose(element)
+    work.complete()
+    return CausalGraph(graph, work.strokes, tuple(integral), tuple(derivative))
+
+
+class Conflict(Exception):
+    """A stroke contradicts another; carries the junction or element where, and the strokes involved."""
+
+    def __init__(self, place: Path, bonds: list[Bond]) -> None:
+        super().__init__(str(place))
+        self.place = place
+        self.bonds = bonds
+
+
+Pattern = dict[Path, bool]  # bond: whether the element receives its effort
+
+
+class Assignment:
+    """Strokes while they are being assigned; a trail allows a trial to be taken back."""
+
+    def __init__(self, graph: BondGraph) -> None:
+        self.graph = graph
+        self.structure = graph.normal
+        self.at = graph.normal.at()
+        self.strokes: dict[Path, Stroke] = {}
+        self.trail: list[Path] = []
+
+    # -- patterns ----------------------------------------------------------------------------------
+
+    def bond_of(self, element: Element, port: str) -> Bond | None:
+        """The bond at a port of an element."""
+        for bond in self.at[element.path]:
+            end = bond.tail if bond.tail.owner == element.path and bond.tail.port == port else bond.head
+            if end.owner == element.path and end.port == port:
+                return bond
+        return None
+
+    def source_pattern(self, element: Element) -> Pattern:
+        """The strokes of a source."""
+        return {bond.name: element.kind is ElementKind.FLOW_SOURCE for bond in self.at[element.path]}
+
+    def law_patterns(self, element: Element) -> list[Pattern]:
+        """The strokes that each law of a resistance needs."""
+        assert isinstance(element.behaviour, Resistive)
+        patterns: list[Pattern] = []
+        for law in element.behaviour.laws:
+            pattern: Pattern = {}
+            for result in law.results:
+                bond = self.bond_of(element, result.port)
+                if bond is not None:
+                    pattern[bond.name] = result.variable is Variable.FLOW
+            patterns.append(pattern)
+        return patterns
+
+    def storage_pattern(self, element: Element, integral: bool) -> Pattern:
+        """The strokes of a storage in integral or derivative causality."""
+        receives = (element.kind is ElementKind.INERTIA) is integral
+        return {bond.name: receives for bond in self.at[element.path]}
+
+    # -- assignment --------------------------------------------------------------------------------
+
+    def fix(self, element: Element, pattern: Pattern, why: Why) -> None:
+        """Assign strokes that admit no alternative; a contradiction is an error."""
+        try:
+            self.assign(element, pattern, why)
+        except Conflict as conflict:
+            raise self.explain(element, conflict) from None
+
+    def assign_storage(self, storages: list[Element]) -> tuple[list[Path], list[Path]]:
+        """Integral causality where possible, in the order of the model; gives both lists."""
+        integral: list[Path] = []
+        derivative: list[Path] = []
+        for element in storages:
+            if self.attempt(element, self.storage_pattern(element, integral=True), Why.INTEGRAL):
+                integral.append(element.path)
+                continue
+            self.fix(element, self.storage_pattern(element, integral=False), Why.DERIVATIVE)
+            derivative.append(element.path)
+            assert isinstance(element.behaviour, Storage)
+            if element.behaviour.inverse is None:
+                raise self.no_inverse(element)
+        return integral, derivative
+
+    def choose(self, element: Element) -> None:
+        """Give a resistance the first law that fits."""
+        patterns = self.law_patterns(element)
+        open_ports = any(bond.name not in self.strokes for bond in self.at[element.path])
+        why = Why.CHOICE if open_ports else Why.JUNCTION
+        if any(self.attempt(element, pattern, why) for pattern in patterns):
+            return
+        self.fix(element, patterns[0], Why.LAW)
+
+    def complete(self) -> None:
+        """Strokes inside the junction structure that nothing decides."""
+        for bond in self.structure.bonds.values():
+            if bond.name in self.strokes:
+                continue
+            mark = len(self.trail)
+            for end in (bond.head, bond.tail):
+                try:
+                    self.set(bond, end.owner, Why.CHOICE, end.owner)
+                    self.propagate([bond.tail.owner, bond.head.owner], end.owner)
+                    break
+                except Conflict as conflict:
+                    self.undo(mark)
+                    last = conflict
+            else:
+                raise self.undetermined(bond, last)
+        for path, junction in self.structure.junctions.items():
+            if self.strong_bond(path, junction.kind) is None:
+                raise self.undetermined(self.at[path][0], Conflict(path, self.at[path]))
+
+    def strong_bond(self, path: Path, kind: JunctionKind) -> Bond | None:
+        """The bond that gives a junction its common variable."""
+        wants = kind is JunctionKind.ZERO
+        for bond in self.at[path]:
+            if (self.strokes[bond.name].effort_into == path) is wants:
+                return bond
+        return None
+
+    def attempt(self, element: Element, pattern: Pattern, why: Why) -> bool:
+        """Assign strokes if nothing contradicts them; otherwise leave everything as it was."""
+        mark = len(self.trail)
+        try:
+            self.assign(element, pattern, why)
+        except Conflict:
+            self.undo(mark)
+            return False
+        return True
+
+    def assign(self, element: Element, pattern: Pattern, why: Why) -> None:
+        """Assign the strokes of an element and what follows from them."""
+        touched: list[Path] = [element.path]
+        for bond in self.at[element.path]:
+            receiver = element.path if pattern[bond.name] else bond.other(element.path).owner
+            if self.set(bond, receiver, why, element.path):
+                touched.append(bond.other(element.path).owner)
+        self.propagate(touched, element.path)
+
+    def set(self, bond: Bond, receiver: Path, why: Why, cause: Path) -> bool:
+        """Put one stroke; False when it was there already."""
+        known = self.strokes.get(bond.name)
+        if known is not None:
+            if known.effort_into != receiver:
+                raise Conflict(receiver, [bond])
+            return False
+        self.strokes[bond.name] = Stroke(receiver, why, cause)
+        self.trail.append(bond.name)
+        return True
+
+    def undo(self, mark: int) -> None:
+        """Take strokes back to a mark of the trail."""
+        while len(self.trail) > mark:
+            del self.strokes[self.trail.pop()]
+
+    def propagate(self, places: Iterable[Path], cause: Path) -> None:
+        """Follow the consequences of new strokes."""
+        pending = list(places)
+        while pending:
+            place = pending.pop()
+            for bond, receiver, why in self.implied(place):
+                if self.set(bond, receiver, why, cause):
+                    pending.append(bond.other(place).owner)
+                    pending.append(place)
+
+    def implied(self, place: Path) -> list[tuple[Bond, Path, Why]]:
+        """The strokes that follow at one junction or element from those it has."""
+        bonds = self.at[place]
+        junction = self.structure.junctions.get(place)
+        if junction is not None:
+            return self.implied_at_junction(place, junction.kind, bonds)
+        element = self.structure.elements[place]
+        if isinstance(element.behaviour, TwoPort):
+            return self.implied_at_two_port(element, bonds)
+        if isinstance(element.behaviour, Resistive):
+            return self.implied_at_resistance(element, bonds)
+        return []
+
+    def implied_at_junction(
+        self, place: Path, kind: JunctionKind, bonds: list[Bond]
+    ) -> list[tuple[Bond, Path, Why]]:
+        wants = kind is JunctionKind.ZERO
+        strong = [
+            b
+            for b in bonds
+            if b.name in self.strokes and (self.strokes[b.name].effort_into == place) is wants
+        ]
+        if len(strong) > 1:
+            raise Conflict(place, strong)
+        free = [b for b in bonds if b.name not in self.strokes]
+        if strong:
+            return [(b, b.other(place).owner if wants else place, Why.JUNCTION) for b in free]
+        if not free:
+            raise Conflict(place, bonds)
+        if len(free) == 1:
+            return [(free[0], place if wants else free[0].other(place).owner, Why.JUNCTION)]
+        return []
+
+    def implied_at_two_port(self, element: Element, bonds: list[Bond]) -> list[tuple[Bond, Path, Why]]:
+        if len(bonds) != 2:
+            raise Conflict(element.path, bonds)
+        known = [b for b in bonds if b.name in self.strokes]
+        same = element.kind is ElementKind.GYRATOR
+        receives = [self.strokes[b.name].effort_into == element.path for b in known]
+        if len(known) == 2 and (receives[0] is receives[1]) is not same:
+            raise Conflict(element.path, bonds)
+        if len(known) != 1:
+            return []
+        other = bonds[1] if bonds[0] is known[0] else bonds[0]
+        into_element = receives[0] is same
+        return [(other, element.path if into_element else other.other(element.path).owner, Why.TWO_PORT)]
+
+    def implied_at_resistance(self, element: Element, bonds: list[Bond]) -> list[tuple[Bond, Path, Why]]:
+        possible = [
+            pattern
+            for pattern in self.law_patterns(element)
+            if all(
+                (self.strokes[b.name].effort_into == element.path) is pattern[b.name]
+                for b in bonds
+                if b.name in self.strokes
+            )
+        ]
+        if not possible:
+            raise Conflict(element.path, bonds)
+        if len(possible) > 1 or not any(b.name in self.strokes for b in bonds):
+            return []
+        return [
+            (b, element.path if possible[0][b.name] else b.other(element.path).owner, Why.LAW)
+            for b in bonds
+            if b.name not in self.strokes
+        ]
+
+    # -- faults ------------------------------------------------------------------------------------
+
+    def explain(self, element: Element, conflict: Conflict) -> StructureError:
+        """The error for a contradiction met while fixing an element."""
+        causes = dict.fromkeys(
+            [element.path, *(self.strokes[b.name].cause for b in conflict.bonds if b.name in self.strokes)]
+        )
+        elements = [self.structure.elements[path] for path in causes if path in self.structure.elements]
+        junction = self.structure.junctions.get(conflict.place)
+        sources = [e for e in elements if isinstance(e.behaviour, PowerSource)]
+        involved = [Involved(str(e.path), self.role(e), e.source) for e in elements]
+        if junction is not None and len(sources) == len(elements) > 1:
+            common = "velocity or flow" if junction.kind is JunctionKind.ONE else "effort"
+            message = f"{_count(len(sources))} sources set the {common} of one junction"
+            cure = (
+                "put a compliance between them, or make one of them an effort source"
+                if junction.kind is JunctionKind.ONE
+                else "put a resistance or inertia between them, or make one of them a flow source"
+            )
+        else:
+            message = f"{element.path} cannot have the causality it needs"
+            cure = "give the element a law for the other causality, or put a storage between it and what forces it"
+        where = f"{conflict.place} ({junction.kind}-junction)" if junction else str(conflict.place)
+        source = junction.source if junction and junction.source.line else element.source
+        return StructureError(
+            [Diagnostic("causality/conflict", message, where, source, tuple(involved), cure)]
+        )
+
+    def role(self, element: Element) -> str:
+        """What an element does in a conflict."""
+        if element.kind is ElementKind.FLOW_SOURCE:
+            return "prescribes its flow"
+        if element.kind is ElementKind.EFFORT_SOURCE:
+            return "prescribes its effort"
+        return f"is a {element.kind} element that forces a stroke"
+
+    def no_inverse(self, element: Element) -> StructureError:
+        """The error for dependent storage whose law cannot be inverted."""
+        cause = next(self.strokes[b.name].cause for b in self.at[element.path])
+        return StructureError(
+            [
+                Diagnostic(
+                    "causality/no-inverse",
+                    f"the storage {element.path} depends on others, and its law cannot be inverted",
+                    source=element.source,
+                    involved=(Involved(str(cause), "decides its effort or flow"),),
+                    help="offer the inverse law, displacement(effort) or momentum(flow)",
+                )
+            ]
+        )
+
+    def undetermined(self, bond: Bond, conflict: Conflict) -> StructureError:
+        """The error for a junction that nothing determines."""
+        junction = self.structure.junctions.get(conflict.place)
+        kind = f" ({junction.kind}-junction)" if junction else ""
+        around = [
+            b.other(conflict.place) for b in conflict.bonds if conflict.place in (b.tail.owner, b.head.owner)
+        ]
+        involved = tuple(Involved(str(end.path), "meets it") for end in around)
+        return StructureError(
+            [
+                Diagnostic(
+                    "causality/undetermined",
+                    f"nothing determines the common variable at {conflict.place}{kind}",
+                    where=str(bond.name),
+                    source=junction.source if junction else self.structure.elements[conflict.place].source,
+                    involved=involved,
+                    help="connect a storage, a source or a resistance whose law gives it",
+                )
+            ]
+        )
+
+
+def _count(number: int) -> str:
+    return {2: "two", 3: "three"}.get(number, str(number))
