@@ -1,0 +1,378 @@
+"""What every causal stroke means: each effort, flow and signal defined by others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure
+from propermodel.causality.causal import CausalGraph
+from propermodel.diagnostics import Path
+from propermodel.equations.system import BlockKind
+from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol
+from propermodel.modelling.model import (
+    ElementKind,
+    JunctionKind,
+    PowerSource,
+    Resistive,
+    Storage,
+    TwoPort,
+    Variable,
+)
+
+
+class Variables:
+    """The symbols of efforts and flows of bonds."""
+
+    def __init__(self, graph: BondGraph) -> None:
+        self.graph = graph
+
+    def of(self, bond: Bond, variable: Variable) -> Expr:
+        """The symbol of a bond's effort or flow."""
+        domain = self.graph.domains.get(bond.domain)
+        kind = SymbolKind.EFFORT if variable is Variable.EFFORT else SymbolKind.FLOW
+        unit = "" if domain is None else domain.effort_unit if variable is Variable.EFFORT else domain.flow_unit
+        return symbol(kind, bond.name / variable.value, unit)
+
+
+@dataclass(frozen=True, slots=True)
+class Dependent:
+    """Storage in derivative causality: its coordinate as a function of what drives it, and the unknown it answers with."""
+
+    element: Element
+    unknown: Expr
+    stored: Expr  # the stored quantity, whose rate the unknown is
+    kind: BlockKind = BlockKind.DEPENDENT
+
+
+@dataclass(frozen=True, slots=True)
+class Lockable:
+    """A resistance that can lock: while it does, the rate of its flow is held instead of its law."""
+
+    element: Element
+    unknown: Expr
+    law: Expr
+    flow: Expr
+    locked: Expr
+
+
+@dataclass
+class Definitions:
+    """Symbols and what they are, before anything is sorted or solved."""
+
+    values: dict[Expr, Expr] = field(default_factory=dict[Expr, Expr])
+    dependents: list[Dependent] = field(default_factory=list[Dependent])
+    lockables: list[Lockable] = field(default_factory=list[Lockable])
+    laws: list[Expr] = field(default_factory=list[Expr])  # results of resistance laws: candidates for tearing
+
+
+def define(causal: CausalGraph) -> Definitions:
+    """The definition of every effort, flow, stored quantity and signal."""
+    graph = causal.graph
+    variables = Variables(graph)
+    at = graph.normal.at()
+    found = Definitions()
+    for path, junction in graph.normal.junctions.items():
+        _define_junction(found, causal, variables, path, junction.kind, at[path])
+    for element in graph.normal.elements.values():
+        _define_element(found, causal, variables, element, at[element.path])
+    found.values.update(graph.signals)
+    _recover(found, graph, variables)
+    _observe(found, graph, variables)
+    return found
+
+
+def sign_at(bond: Bond, place: Path) -> bool:
+    """Whether the half arrow points into this junction or element."""
+    return bond.head.owner == place
+
+
+def _sum_of_others(terms: Iterable[tuple[Expr, bool]], into: bool) -> Expr:
+    """The term that makes a signed sum vanish; `into` is the sense of the missing term."""
+    total = ZERO
+    for term, points_in in terms:
+        total = total - term if points_in is into else total + term
+    return total
+
+
+def _define_junction(
+    found: Definitions, causal: CausalGraph, variables: Variables, path: Path, kind: JunctionKind, bonds: list[Bond]
+) -> None:
+    wants = kind is JunctionKind.ZERO
+    strong = next(b for b in bonds if (causal.strokes[b.name].effort_into == path) is wants)
+    common, summed = kind.common, kind.common.other
+    for bond in bonds:
+        if bond is not strong:
+            found.values[variables.of(bond, common)] = variables.of(strong, common)
+    others = [(variables.of(b, summed), sign_at(b, path)) for b in bonds if b is not strong]
+    found.values[variables.of(strong, summed)] = _sum_of_others(others, sign_at(strong, path))
+
+
+def _bond_at(bonds: list[Bond], element: Element, port: str) -> Bond | None:
+    wanted = End(element.path, port)
+    return next((b for b in bonds if wanted in (b.tail, b.head)), None)
+
+
+def _define_element(
+    found: Definitions, causal: CausalGraph, variables: Variables, element: Element, bonds: list[Bond]
+) -> None:
+    behaviour = element.behaviour
+    ports = {port: _bond_at(bonds, element, port) for port in element.ports}
+    # The laws are written in the element's own port variables; a bond may have another name only for internal ports.
+    match behaviour:
+        case PowerSource():
+            (bond,) = bonds
+            variable = Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
+            found.values[variables.of(bond, variable)] = behaviour.value
+        case TwoPort():
+            _define_two_port(found, causal, variables, element, behaviour, ports)
+        case Resistive():
+            _define_resistance(found, causal, variables, element, behaviour, ports)
+        case Storage():
+            _define_storage(found, causal, variables, element, behaviour, ports)
+
+
+def _define_two_port(
+    found: Definitions,
+    causal: CausalGraph,
+    variables: Variables,
+    element: Element,
+    behaviour: TwoPort,
+    ports: dict[str, Bond | None],
+) -> None:
+    a, b = ports["a"], ports["b"]
+    assert a is not None and b is not None
+    m = behaviour.modulus
+    e_a, f_a = variables.of(a, Variable.EFFORT), variables.of(a, Variable.FLOW)
+    e_b, f_b = variables.of(b, Variable.EFFORT), variables.of(b, Variable.FLOW)
+    into_a = causal.receives_effort(a, element)
+    if behaviour.kind is ElementKind.TRANSFORMER:
+        if into_a:
+            found.values[e_b], found.values[f_a] = divide(e_a, m), divide(f_b, m)
+        else:
+            found.values[e_a], found.values[f_b] = m * e_b, m * f_a
+    elif into_a:
+        found.values[f_b], found.values[f_a] = divide(e_a, m), divide(e_b, m)
+    else:
+        found.values[e_a], found.values[e_b] = m * f_b, m * f_a
+
+
+def _define_resistance(
+    found: Definitions,
+    causal: CausalGraph,
+    variables: Variables,
+    element: Element,
+    behaviour: Resistive,
+    ports: dict[str, Bond | None],
+) -> None:
+    for law in behaviour.laws:
+        fits = all(
+            (bond := ports[r.port]) is None or causal.receives_effort(bond, element) is (r.variable is Variable.FLOW)
+            for r in law.results
+        )
+        if not fits:
+            continue
+        for result in law.results:
+            bond = ports[result.port]
+            if bond is None:
+                continue
+            target = variables.of(bond, result.variable)
+            if behaviour.locked is not None and result.variable is Variable.EFFORT:
+                flow = variables.of(bond, Variable.FLOW)
+                unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+                found.lockables.append(Lockable(element, unknown, result.value, flow, behaviour.locked))
+                found.values[target] = unknown
+            else:
+                found.values[target] = result.value
+                found.laws.append(target)
+        return
+    raise AssertionError(f"no law of {element.path} fits its strokes")
+
+
+def _define_storage(
+    found: Definitions,
+    causal: CausalGraph,
+    variables: Variables,
+    element: Element,
+    behaviour: Storage,
+    ports: dict[str, Bond | None],
+) -> None:
+    is_c = behaviour.kind is ElementKind.COMPLIANCE
+    output = Variable.EFFORT if is_c else Variable.FLOW
+    kind = SymbolKind.DISPLACEMENT if is_c else SymbolKind.MOMENTUM
+    stored = dict(behaviour.stored)
+    if element.path in causal.derivative:
+        (port,) = element.ports
+        bond = ports[port]
+        assert bond is not None and behaviour.inverse is not None
+        target = variables.of(bond, output.other)
+        unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+        coordinate = behaviour.coordinates[0]
+        state = symbol(SymbolKind.STATE, element.path / coordinate.name, coordinate.unit)
+        found.values[target] = unknown
+        found.values[state] = behaviour.inverse
+        found.values[symbol(kind, element.path / port / kind.value, coordinate.unit)] = state
+        found.dependents.append(Dependent(element, unknown, state))
+        return
+    for port, law in behaviour.outputs:
+        bond = ports[port]
+        if bond is not None:
+            found.values[variables.of(bond, output)] = law
+    domain_unit = {"displacement": "displacement_unit", "momentum": "momentum_unit"}[kind.value]
+    for port, expr in stored.items():
+        bond = ports[port]
+        if bond is not None:
+            unit = getattr(causal.graph.domains[bond.domain], domain_unit)
+            found.values[symbol(kind, element.path / port / kind.value, unit)] = expr
+
+
+# -- bonds that simplification took away ---------------------------------------------------------------
+
+
+def _recover(found: Definitions, graph: BondGraph, variables: Variables) -> None:
+    """Define the efforts and flows of original bonds that are not in the normal form, as far as they follow."""
+    original = graph.original
+    recovery = _Recovery(found, graph, variables)
+    for name, variable in graph.known_zero.items():
+        recovery.learn(original.bonds[name], variable, ZERO)
+    for name in original.bonds:
+        if name in graph.normal.bonds:
+            for variable in Variable:
+                recovery.known.add((name, variable))
+                recovery.touch(name)
+    recovery.run(original)
+    _recover_storage(found, graph)
+
+
+class _Recovery:
+    def __init__(self, found: Definitions, graph: BondGraph, variables: Variables) -> None:
+        self.found = found
+        self.graph = graph
+        self.variables = variables
+        self.known: set[tuple[Path, Variable]] = set()
+        self.pending: dict[Path, None] = {}
+        self.removed = {r.bond for r in graph.removals if hasattr(r, "bond")}  # pyright: ignore[reportAttributeAccessIssue]
+
+    def touch(self, name: Path) -> None:
+        """Look again at what a bond meets."""
+        bond = self.graph.original.bonds[name]
+        self.pending[bond.tail.owner] = None
+        self.pending[bond.head.owner] = None
+
+    def learn(self, bond: Bond, variable: Variable, value: Expr) -> None:
+        """Define a variable that is not known yet."""
+        if (bond.name, variable) in self.known:
+            return
+        self.known.add((bond.name, variable))
+        self.found.values[self.variables.of(bond, variable)] = value
+        self.touch(bond.name)
+
+    def run(self, original: Structure) -> None:
+        """Follow junctions and two-ports until nothing more follows."""
+        at = original.at()
+        while self.pending:
+            place = next(iter(self.pending))
+            del self.pending[place]
+            junction = original.junctions.get(place)
+            if junction is not None:
+                self.at_junction(place, junction.kind, at[place])
+            else:
+                self.at_element(original.elements[place], at[place])
+
+    def at_junction(self, place: Path, kind: JunctionKind, bonds: list[Bond]) -> None:
+        common, summed = kind.common, kind.common.other
+        known = next((b for b in bonds if (b.name, common) in self.known), None)
+        if known is not None:
+            for bond in bonds:
+                self.learn(bond, common, self.variables.of(known, common))
+        unknown = [b for b in bonds if (b.name, summed) not in self.known]
+        if len(unknown) == 1:
+            terms = [(self.variables.of(b, summed), sign_at(b, place)) for b in bonds if b is not unknown[0]]
+            self.learn(unknown[0], summed, _sum_of_others(terms, sign_at(unknown[0], place)))
+
+    def at_element(self, element: Element, bonds: list[Bond]) -> None:
+        behaviour = element.behaviour
+        if isinstance(behaviour, TwoPort):
+            a, b = _bond_at(bonds, element, "a"), _bond_at(bonds, element, "b")
+            if a is None or b is None:
+                return
+            m = behaviour.modulus
+            transforms = behaviour.kind is ElementKind.TRANSFORMER
+            for variable in Variable:
+                across = variable if transforms else variable.other
+                upward = (variable is Variable.EFFORT) if transforms else variable is Variable.EFFORT
+                from_b = self.variables.of(b, across)
+                from_a = self.variables.of(a, variable)
+                if (b.name, across) in self.known:
+                    self.learn(a, variable, m * from_b if upward else divide(from_b, m))
+                if (a.name, variable) in self.known:
+                    self.learn(b, across, divide(from_a, m) if upward else m * from_a)
+        elif isinstance(behaviour, Resistive) and len(bonds) == 1 and bonds[0].name not in self.removed:
+            self.at_idle_resistance(element, behaviour, bonds[0])
+
+    def at_idle_resistance(self, element: Element, behaviour: Resistive, bond: Bond) -> None:
+        if bond.name in self.graph.normal.bonds:
+            return
+        for law in behaviour.laws:
+            result = law.results[0]
+            if (bond.name, result.variable.other) in self.known:
+                self.learn(bond, result.variable, result.value)
+
+
+def _recover_storage(found: Definitions, graph: BondGraph) -> None:
+    """Stored quantities of elements that are gone: from their effort or flow where it is known, else their start."""
+    for element in graph.original.elements.values():
+        behaviour = element.behaviour
+        if element.path in graph.normal.elements or not isinstance(behaviour, Storage):
+            continue
+        is_c = behaviour.kind is ElementKind.COMPLIANCE
+        kind = SymbolKind.DISPLACEMENT if is_c else SymbolKind.MOMENTUM
+        domains = {b.name: graph.domains[b.domain] for b in graph.original.bonds.values() if b.domain}
+        for port, expr in behaviour.stored:
+            domain = domains[element.path / port]
+            unit = domain.displacement_unit if is_c else domain.momentum_unit
+            found.values[symbol(kind, element.path / port / kind.value, unit)] = expr
+        for coordinate in behaviour.coordinates:
+            state = symbol(SymbolKind.STATE, element.path / coordinate.name, coordinate.unit)
+            output = Variable.EFFORT if is_c else Variable.FLOW
+            given = None
+            if behaviour.inverse is not None:
+                driver = next((leaf for leaf in leaves(behaviour.inverse) if leaf.data.path.name == output.value), None)
+                given = behaviour.inverse if driver is not None and driver in found.values else None
+            found.values[state] = coordinate.start if given is None else given
+
+
+# -- ports and powers that somebody asks for -----------------------------------------------------------
+
+
+def _observe(found: Definitions, graph: BondGraph, variables: Variables) -> None:
+    """Define the observables of ports: powers, and efforts and flows of composite ports."""
+    for bond in graph.original.bonds.values():
+        if bond.head.port or bond.tail.port:
+            domain = graph.domains.get(bond.domain)
+            unit = "W" if domain is None or domain.is_true else ""
+            power = variables.of(bond, Variable.EFFORT) * variables.of(bond, Variable.FLOW)
+            found.values[symbol(SymbolKind.POWER, bond.name / "power", unit)] = power
+    at = graph.original.at()
+    for port, node in graph.node_ports.items():
+        junction = graph.original.junctions[node.junction]
+        domain = graph.domains[node.domain]
+        common, summed = junction.kind.common, junction.kind.common.other
+        bonds = at[node.junction]
+        if not bonds:
+            continue
+        inside = set(node.inside)
+        total = ZERO
+        for bond in bonds:
+            if bond.name in inside:
+                value = variables.of(bond, summed)
+                total = total - value if sign_at(bond, node.junction) else total + value
+        by_variable = {common: variables.of(bonds[0], common), summed: total}
+        effort = symbol(SymbolKind.EFFORT, port / "effort", domain.effort_unit)
+        flow = symbol(SymbolKind.FLOW, port / "flow", domain.flow_unit)
+        found.values[effort] = by_variable[Variable.EFFORT]
+        found.values[flow] = by_variable[Variable.FLOW]
+        unit = "W" if domain.is_true else ""
+        found.values[symbol(SymbolKind.POWER, port / "power", unit)] = effort * flow
+
+

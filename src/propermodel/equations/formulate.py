@@ -1,0 +1,308 @@
+"""From strokes to equations: explicit where possible, with dependent storage and algebraic loops solved in blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from propermodel.bondgraph.graph import Element
+from propermodel.causality.causal import CausalGraph
+from propermodel.diagnostics import Diagnostic, Involved, Path, StructureError
+from propermodel.equations.definitions import Definitions, Variables, define
+from propermodel.equations.loops import Resolution, strong_components
+from propermodel.equations.rows import rows_of
+from propermodel.equations.sequence import in_sequence
+from propermodel.equations.solve import eliminate
+from propermodel.equations.system import (
+    BlockKind,
+    EquationSystem,
+    ImplicitBlock,
+    SolvedBlock,
+    StateKind,
+    StateVariable,
+    Stored,
+)
+from propermodel.expressions.core import (
+    ONE,
+    TIME,
+    Expr,
+    Substitution,
+    SymbolKind,
+    constant,
+    divide,
+    leaves,
+    symbol,
+    where,
+)
+from propermodel.expressions.derivatives import directional_derivative, partial_derivatives
+from propermodel.modelling.model import Coordinate, ElementKind, Storage, Variable
+
+# While a resistance is locked its remaining flow decays with this time constant, s; it is the slip left at closing.
+LOCK_RELAXATION = constant(0.02, "s")
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """One unknown of the implicit part with its residual."""
+
+    symbol: Expr
+    residual: Expr
+    element: Path
+    kind: BlockKind
+
+
+def formulate(causal: CausalGraph) -> EquationSystem:
+    """The equations of a causal graph.
+
+    Raises:
+        StructureError: a signal or law asks for something that does not exist, or the system is singular.
+    """
+    definitions = define(causal)
+    resolution = Resolution(definitions.values, definitions.laws)
+    states, rates = _states(causal, definitions, resolution)
+    unknowns = _unknowns(definitions, resolution, rates)
+    solved, blocks, solution = _solve_blocks(unknowns)
+    finish = Substitution(solution)
+    values = {target: finish(value) for target, value in resolution.values.items()}
+    _check_defined(causal, states, values)
+    updates = tuple(
+        (c.path, tuple((held, finish(resolution.complete(value))) for held, value in c.updates))
+        for c in in_sequence(causal.graph)
+    )
+    return EquationSystem(
+        causal=causal,
+        states=tuple(
+            StateVariable(
+                path=s.path,
+                symbol=s.symbol,
+                unit=s.unit,
+                kind=s.kind,
+                start=s.start,
+                low=s.low,
+                high=s.high,
+                derivative=finish(s.derivative),
+                source=s.source,
+            )
+            for s in states
+        ),
+        blocks=tuple(blocks),
+        solved=tuple(solved),
+        values=values,
+        energies=_energies(causal, resolution, finish),
+        rows=rows_of(causal),
+        updates=updates,
+    )
+
+
+# -- states --------------------------------------------------------------------------------------------
+
+
+def _states(
+    causal: CausalGraph, definitions: Definitions, resolution: Resolution
+) -> tuple[list[StateVariable], dict[Expr, Expr]]:
+    """Every state with its derivative, and the rates by symbol (time included)."""
+    states: list[StateVariable] = []
+    for element in causal.graph.normal.elements.values():
+        if element.path in causal.integral and isinstance(element.behaviour, Storage):
+            states.extend(_storage_states(causal, element, element.behaviour, resolution))
+    for signal in causal.graph.signal_states:
+        states.append(
+            _state(
+                signal.symbol.data.path.parent,
+                signal.coordinate,
+                StateKind.SIGNAL,
+                resolution.complete(signal.derivative),
+                signal.source,
+            )
+        )
+    rates = {state.symbol: state.derivative for state in states}
+    rates[TIME] = ONE
+    return states, rates
+
+
+def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Expr, source: object) -> StateVariable:
+    return StateVariable(
+        path=owner / coordinate.name,
+        symbol=symbol(SymbolKind.STATE, owner / coordinate.name, coordinate.unit),
+        unit=coordinate.unit,
+        kind=kind,
+        start=coordinate.start,
+        low=coordinate.low,
+        high=coordinate.high,
+        derivative=derivative,
+        source=source,  # pyright: ignore[reportArgumentType]
+    )
+
+
+def _storage_states(
+    causal: CausalGraph, element: Element, storage: Storage, resolution: Resolution
+) -> list[StateVariable]:
+    """The states of a storage: its stored quantities change by what its bonds bring."""
+    is_c = storage.kind is ElementKind.COMPLIANCE
+    driver = Variable.FLOW if is_c else Variable.EFFORT
+    variables = Variables(causal.graph)
+    bonds = causal.graph.normal.bonds
+    state_kind = StateKind.DISPLACEMENT if is_c else StateKind.MOMENTUM
+    symbols = [symbol(SymbolKind.STATE, element.path / c.name, c.unit) for c in storage.coordinates]
+    inflows = [resolution.values[variables.of(bonds[element.path / port], driver)] for port, _ in storage.stored]
+    stored = [resolution.complete(expr) for _, expr in storage.stored]
+    if stored == symbols:
+        rates = inflows
+    else:
+        # Coordinates of the author's choice: (dq/dc) dc/dt = inflow.
+        partials = partial_derivatives(stored, symbols)
+        matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
+        rates = eliminate(matrix, inflows, [element.path] * len(symbols))
+    return [
+        _state(element.path, coordinate, state_kind, rate, element.source)
+        for coordinate, rate in zip(storage.coordinates, rates, strict=True)
+    ]
+
+
+# -- the implicit part -----------------------------------------------------------------------------------
+
+
+def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr]) -> list[Unknown]:
+    """Every unknown with its residual: torn loops, dependent storage, locked resistances."""
+    found: list[Unknown] = []
+    for unknown in resolution.torn:
+        residual = unknown - resolution.torn_value(unknown)
+        found.append(Unknown(unknown, residual, unknown.data.path.parent.parent, BlockKind.LOOP))
+    answers = {d.unknown for d in definitions.dependents} | {x.unknown for x in definitions.lockables}
+    drifting = _RateUnknowns(resolution, rates, answers)
+    for dependent in definitions.dependents:
+        rate = drifting.rate_of(resolution.values[dependent.stored], dependent.element)
+        found.append(Unknown(dependent.unknown, dependent.unknown - rate, dependent.element.path, BlockKind.DEPENDENT))
+    for lockable in definitions.lockables:
+        flow = resolution.complete(lockable.flow)
+        rate = drifting.rate_of(flow, lockable.element)
+        residual = where(
+            resolution.complete(lockable.locked),
+            rate + divide(flow, LOCK_RELAXATION),
+            lockable.unknown - resolution.complete(lockable.law),
+        )
+        found.append(Unknown(lockable.unknown, residual, lockable.element.path, BlockKind.LOCK))
+    found.extend(drifting.unknowns)
+    return found
+
+
+class _RateUnknowns:
+    """Rates of change along the solution; the rate of a torn variable is a further unknown."""
+
+    def __init__(self, resolution: Resolution, rates: dict[Expr, Expr], answers: set[Expr]) -> None:
+        self.resolution = resolution
+        self.rates = dict(rates)
+        self.answers = answers
+        self.unknowns: list[Unknown] = []
+
+    def rate_of(self, expr: Expr, element: Element) -> Expr:
+        """The rate of an expression of states, time and torn variables."""
+        met: list[tuple[Expr, Path, Expr]] = []
+        pending = [expr]
+        while pending:
+            for leaf in leaves(pending.pop()):
+                if leaf.data.kind is not SymbolKind.UNKNOWN or leaf in self.rates:
+                    continue
+                if leaf in self.answers:
+                    raise _higher_index(element, leaf)
+                torn = self.resolution.torn_value(leaf)
+                path = leaf.data.path
+                self.rates[leaf] = symbol(SymbolKind.UNKNOWN, path.parent / f"{path.name}_rate", "")
+                met.append((self.rates[leaf], path.parent.parent, leaf - torn))
+                pending.append(torn)
+        self.unknowns.extend(
+            Unknown(rate, self._derive(residual), path, BlockKind.LOOP) for rate, path, residual in met
+        )
+        return self._derive(expr)
+
+    def _derive(self, expr: Expr) -> Expr:
+        rates = {leaf: self.rates.get(leaf, constant(0.0)) for leaf in leaves(expr)}
+        return directional_derivative([expr], rates)[0]
+
+
+def _higher_index(element: Element, leaf: Expr) -> StructureError:
+    return StructureError(
+        [
+            Diagnostic(
+                "equations/index",
+                f"the dependent storage {element.path} depends on the reaction of {leaf.data.path.parent}",
+                source=element.source,
+                involved=(Involved(str(element.path), "is dependent storage", element.source),),
+                help="a closed kinematic chain: put a compliance into it, or choose coordinates that respect it",
+            )
+        ]
+    )
+
+
+def _solve_blocks(
+    unknowns: list[Unknown],
+) -> tuple[list[SolvedBlock], list[ImplicitBlock], dict[Expr, Expr]]:
+    """Sort the unknowns into blocks; eliminate linear ones, leave the others to Newton's method."""
+    index = {u.symbol: i for i, u in enumerate(unknowns)}
+    edges = [(i, index[leaf]) for i, u in enumerate(unknowns) for leaf in leaves(u.residual) if leaf in index]
+    solved: list[SolvedBlock] = []
+    blocks: list[ImplicitBlock] = []
+    solution: dict[Expr, Expr] = {}
+    for component in strong_components(len(unknowns), edges):
+        members = [unknowns[i] for i in component]
+        symbols = [u.symbol for u in members]
+        substitute = Substitution(solution)
+        residuals = [substitute(u.residual) for u in members]
+        partials = partial_derivatives(residuals, symbols)
+        matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
+        paths = tuple(u.element for u in members)
+        inside = set(symbols)
+        if not any(inside & set(leaves(entry)) for row in matrix for entry in row):
+            at_zero = Substitution(dict.fromkeys(symbols, constant(0.0)))
+            right = [-at_zero(residual) for residual in residuals]
+            values = eliminate(matrix, right, list(paths))
+            solution.update(zip(symbols, values, strict=True))
+            solved.append(SolvedBlock(unknowns=tuple(symbols), paths=paths, kinds=tuple(u.kind for u in members)))
+        else:
+            blocks.append(
+                ImplicitBlock(
+                    unknowns=tuple(symbols),
+                    residuals=tuple(residuals),
+                    jacobian=tuple(tuple(row) for row in matrix),
+                    paths=paths,
+                )
+            )
+    return solved, blocks, solution
+
+
+# -- what else the system needs ----------------------------------------------------------------------------
+
+
+def _energies(causal: CausalGraph, resolution: Resolution, finish: Substitution) -> tuple[Stored, ...]:
+    return tuple(
+        Stored(element.path, finish(resolution.complete(element.behaviour.energy)))
+        for element in causal.graph.normal.elements.values()
+        if isinstance(element.behaviour, Storage)
+    )
+
+
+def _check_defined(causal: CausalGraph, states: list[StateVariable], values: dict[Expr, Expr]) -> None:
+    """Everything that derivatives, laws and signals mention exists."""
+    free = {SymbolKind.TIME, SymbolKind.PARAMETER, SymbolKind.TABLE, SymbolKind.STATE, SymbolKind.DISCRETE}
+    free.add(SymbolKind.UNKNOWN)
+    known = {state.symbol for state in states}
+    missing: dict[Expr, str] = {}
+    for owner, expr in [*((str(s.path), s.derivative) for s in states), *_signal_values(causal, values)]:
+        for leaf in leaves(expr):
+            kind = leaf.data.kind
+            if kind not in free or (kind is SymbolKind.STATE and leaf not in known):
+                missing.setdefault(leaf, owner)
+    if missing:
+        raise StructureError(
+            [
+                Diagnostic(
+                    "equations/undefined",
+                    f"'{leaf.data.path}' does not exist in this model, but {owner} needs it",
+                    help="after a reduction, freeze the signal that reads it; otherwise check the path",
+                )
+                for leaf, owner in missing.items()
+            ]
+        )
+
+
+def _signal_values(causal: CausalGraph, values: dict[Expr, Expr]) -> list[tuple[str, Expr]]:
+    return [(str(leaf.data.path), values[leaf]) for leaf in causal.graph.signals if leaf in values]

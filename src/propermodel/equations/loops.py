@@ -1,0 +1,149 @@
+"""Resolving definitions into expressions of states; algebraic loops are found and torn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from propermodel.diagnostics import Diagnostic, Path, StructureError
+from propermodel.expressions.core import Expr, Substitution, SymbolKind, leaves, symbol
+
+
+def strong_components(count: int, edges: Iterable[tuple[int, int]]) -> list[list[int]]:
+    """Strongly connected components of a directed graph, those that others depend on first.
+
+    An edge (i, j) says that i depends on j.
+    """
+    pairs = list(dict.fromkeys(edges))
+    if not pairs:
+        return [[i] for i in range(count)]
+    rows, columns = np.array(pairs, dtype=np.int32).T
+    graph = csr_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
+    number, labels = connected_components(graph, directed=True, connection="strong")
+    members: list[list[int]] = [[] for _ in range(number)]
+    for index, label in enumerate(labels):
+        members[int(label)].append(index)
+    return _in_order(members, [int(x) for x in labels], pairs)
+
+
+def _in_order(members: list[list[int]], labels: list[int], pairs: list[tuple[int, int]]) -> list[list[int]]:
+    needs: list[set[int]] = [set() for _ in members]
+    for i, j in pairs:
+        if labels[i] != labels[j]:
+            needs[labels[i]].add(labels[j])
+    order: list[list[int]] = []
+    done = [False] * len(members)
+    for start in range(len(members)):
+        stack = [start]
+        while stack:
+            label = stack[-1]
+            missing = [other for other in sorted(needs[label]) if not done[other]]
+            if done[label]:
+                stack.pop()
+            elif missing:
+                stack.extend(missing)
+            else:
+                done[label] = True
+                order.append(members[label])
+                stack.pop()
+    return order
+
+
+class Resolution:
+    """Definitions with everything defined substituted; torn symbols stand as unknowns."""
+
+    def __init__(self, values: dict[Expr, Expr], candidates: Iterable[Expr]) -> None:
+        self.definitions = values
+        self.torn: dict[Expr, Expr] = {}  # unknown: the symbol it stands for
+        self._tear_loops(list(dict.fromkeys(candidates)))
+        replaced = dict(values)
+        for unknown, target in self.torn.items():
+            replaced[target] = unknown
+        self.values = self._resolve(replaced)
+
+    def torn_value(self, unknown: Expr) -> Expr:
+        """What the definition of a torn symbol gives, in terms of unknowns."""
+        return self.complete(self.definitions[self.torn[unknown]])
+
+    def complete(self, expr: Expr) -> Expr:
+        """An expression with every defined symbol replaced."""
+        mapping = {leaf: self.values[leaf] for leaf in leaves(expr) if leaf in self.values}
+        return Substitution(mapping)(expr)
+
+    def _tear_loops(self, candidates: list[Expr]) -> None:
+        symbols = list(self.definitions)
+        index = {s: i for i, s in enumerate(symbols)}
+        uses = [[index[leaf] for leaf in leaves(self.definitions[s]) if leaf in index] for s in symbols]
+        preferred = {index[c] for c in candidates if c in index}
+        cut: set[int] = set()
+        pending = [list(range(len(symbols)))]
+        while pending:
+            members = pending.pop()
+            local = {node: i for i, node in enumerate(members)}
+            edges = [(local[i], local[j]) for i in members if i not in cut for j in uses[i] if j in local]
+            for component in strong_components(len(members), edges):
+                nodes = [members[i] for i in component]
+                if len(nodes) == 1 and nodes[0] not in uses[nodes[0]]:
+                    continue
+                if len(nodes) == 1 and nodes[0] in cut:
+                    continue
+                chosen = self._choose(nodes, uses, preferred - cut)
+                if chosen is None:
+                    raise _unbreakable([symbols[n] for n in nodes])
+                cut.add(chosen)
+                pending.append(nodes)
+        for node in sorted(cut):
+            target = symbols[node]
+            unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+            self.torn[unknown] = target
+
+    def _choose(self, nodes: list[int], uses: list[list[int]], preferred: set[int]) -> int | None:
+        """The symbol of a loop to tear: the result of a law with most uses inside the loop, otherwise any."""
+        inside = set(nodes)
+        used: dict[int, int] = dict.fromkeys(nodes, 0)
+        for node in nodes:
+            for other in uses[node]:
+                if other in inside:
+                    used[other] += 1
+        pool = [n for n in nodes if n in preferred] or nodes
+        return max(pool, key=lambda n: (used[n] * sum(o in inside for o in uses[n]), -n), default=None)
+
+    def _resolve(self, values: dict[Expr, Expr]) -> dict[Expr, Expr]:
+        substitute = Substitution({})
+        return {target: substitute.define(target, values[target]) for target in self._sorted(values)}
+
+    def _sorted(self, values: dict[Expr, Expr]) -> list[Expr]:
+        order: list[Expr] = []
+        state: dict[Expr, bool] = {}
+        for start in values:
+            stack = [start]
+            while stack:
+                top = stack[-1]
+                if state.get(top):
+                    stack.pop()
+                    continue
+                missing = [leaf for leaf in leaves(values[top]) if leaf in values and not state.get(leaf) and leaf is not top]
+                if missing and top not in state:
+                    state[top] = False
+                    stack.extend(missing)
+                else:
+                    state[top] = True
+                    order.append(top)
+                    stack.pop()
+        return order
+
+
+def _unbreakable(symbols: list[Expr]) -> StructureError:
+    names = ", ".join(sorted({str(Path(s.data.path)) for s in symbols})[:8])
+    return StructureError(
+        [
+            Diagnostic(
+                "equations/loop",
+                f"these variables define each other in a circle: {names}",
+                help="break the circle with a storage, or a signal with a delay",
+            )
+        ]
+    )

@@ -1,0 +1,110 @@
+"""The equation system: states with their derivatives, implicit blocks, and every variable as an expression."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from propermodel.causality.causal import CausalGraph
+from propermodel.diagnostics import NO_SOURCE, Path, Source
+from propermodel.expressions.core import Expr
+from propermodel.expressions.printing import to_text
+
+
+class StateKind(StrEnum):
+    """What a state is."""
+
+    DISPLACEMENT = "displacement"
+    MOMENTUM = "momentum"
+    SIGNAL = "signal"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateVariable:
+    """A continuous state with its start, range and derivative."""
+
+    path: Path  # of the coordinate: element path and coordinate name
+    symbol: Expr
+    unit: str
+    kind: StateKind
+    start: Expr
+    low: Expr
+    high: Expr
+    derivative: Expr
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+class BlockKind(StrEnum):
+    """Why an implicit block is there."""
+
+    LOOP = "algebraic loop"
+    DEPENDENT = "dependent storage"
+    LOCK = "locked resistance"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImplicitBlock:
+    """Unknowns that must be solved for together, with Newton's method; the residuals vanish at the solution."""
+
+    unknowns: tuple[Expr, ...]
+    residuals: tuple[Expr, ...]
+    jacobian: tuple[tuple[Expr, ...], ...]
+    paths: tuple[Path, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolvedBlock:
+    """Unknowns of a linear block, eliminated exactly."""
+
+    unknowns: tuple[Expr, ...]
+    paths: tuple[Path, ...]
+    kinds: tuple[BlockKind, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """The energy of one storage element, as an expression of states."""
+
+    element: Path
+    energy: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of a ranking: an energy element or a declared group, with the bonds whose powers make it up."""
+
+    path: Path
+    kind: str
+    elements: tuple[Path, ...]
+    bonds: tuple[Path, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class EquationSystem:
+    """Everything the model computes, as expressions of states, held values, parameters and time.
+
+    `values` holds efforts and flows of bonds, signals and stored quantities by their symbol. Expressions may contain the
+    unknowns of `blocks`, in whose order they are solved.
+    """
+
+    causal: CausalGraph
+    states: tuple[StateVariable, ...]
+    blocks: tuple[ImplicitBlock, ...]
+    solved: tuple[SolvedBlock, ...]
+    values: Mapping[Expr, Expr]
+    energies: tuple[Stored, ...]
+    rows: tuple[Row, ...]
+    updates: tuple[tuple[Path, tuple[tuple[Expr, Expr], ...]], ...]  # controller: held value, new value
+
+    def __str__(self) -> str:
+        names: dict[Expr, str] = {}
+        lines = [f"equations of {self.causal.graph.model.name}: {len(self.states)} states"]
+        for block in self.solved:
+            lines.append(f"  solved exactly: {', '.join(str(p) for p in block.paths)} ({block.kinds[0]})")
+        for block in self.blocks:
+            lines.append(f"  solved by Newton's method: {', '.join(str(p) for p in block.paths)}")
+            lines.extend(f"    0 = {to_text(residual, names)}" for residual in block.residuals)
+        for state in self.states:
+            lines.append(f"  d/dt {state.path} = {to_text(state.derivative, names)}")
+        return "\n".join(lines)
