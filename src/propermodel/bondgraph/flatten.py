@@ -18,7 +18,7 @@ from propermodel.bondgraph.graph import (
     Structure,
 )
 from propermodel.bondgraph.net import Net
-from propermodel.bondgraph.removals import apply_removals
+from propermodel.bondgraph.removals import make_removals
 from propermodel.bondgraph.scope import Scope
 from propermodel.bondgraph.simplify import normalise
 from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, nearest
@@ -57,14 +57,13 @@ def flatten(model: Model) -> BondGraph:
     walk = _Flattening(model)
     walk.visit(model.root)
     walk.drive_signals()
-    walk.check_removals()
+    walk.check_frozen_signals()
     original = walk.structure()
     walk.define_inputs()
     walk.faults.raise_if_any()
     net = Net(original)
-    zeros, extra_signals = apply_removals(net, model.removals)
-    normalise(net, zeros)
-    walk.signals.update(extra_signals)
+    normalise(net, [])
+    make_removals(net, model.removals)
     normal = net.freeze()
     return BondGraph(
         model=model,
@@ -486,18 +485,15 @@ class _Flattening:
                 )
             )
 
-    def check_removals(self) -> None:
-        """Every removal names something that exists."""
-        ports = {port for port, _, _ in self.element_ports}
+    def check_frozen_signals(self) -> None:
+        """Every frozen signal exists."""
         known = {leaf.data.path for leaf in self.declared_signals}
-        for removal in self.model.removals:
-            is_signal = isinstance(removal, Freeze)
-            path = removal.signal if is_signal else removal.bond
-            if path not in (known if is_signal else ports):
+        for path in self.frozen:
+            if path not in known:
                 self.faults.add(
                     Diagnostic(
                         "reduction/unknown-removal",
-                        f"a removal names '{path}', which is no {'signal' if is_signal else 'port of an element'}",
+                        f"a removal freezes '{path}', which is no signal of this model",
+                        help=nearest(str(path), (str(p) for p in known)),
                     )
                 )
-

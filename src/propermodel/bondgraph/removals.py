@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 from propermodel.bondgraph.graph import Bond, Element, End
 from propermodel.bondgraph.net import Net
-from propermodel.bondgraph.simplify import Zero
-from propermodel.diagnostics import Diagnostic, Faults, Path, ReductionError
+from propermodel.bondgraph.simplify import Zero, normalise
+from propermodel.diagnostics import Diagnostic, Faults, Path, ReductionError, nearest
 from propermodel.expressions.core import Expr, SymbolKind, constant, symbol
 from propermodel.modelling.model import (
+    BondRemoval,
     ConstantEffort,
     ConstantFlow,
     Cut,
@@ -25,26 +27,48 @@ from propermodel.modelling.model import (
 _SOURCE = {Variable.EFFORT: ElementKind.EFFORT_SOURCE, Variable.FLOW: ElementKind.FLOW_SOURCE}
 
 
-def apply_removals(net: Net, removals: tuple[Removal, ...]) -> tuple[list[Zero], dict[Expr, Expr]]:
-    """Replace removed elements; gives the bonds that now carry no effort or no flow, and signals to add.
+def make_removals(net: Net, removals: tuple[Removal, ...]) -> None:
+    """Make the removals in a net in normal form, and bring it to normal form again.
+
+    A removal may name a bond that only exists once earlier removals are made (of a model reduced before), so those
+    whose bonds exist are made together, and the rest after simplification.
 
     Raises:
-        ReductionError: a field is removed at some of its ports only, or a bond is removed twice.
+        ReductionError: a removal names no bond, a bond is removed twice, or a field goes at some of its ports only.
     """
+    pending = [removal for removal in removals if not isinstance(removal, Freeze)]
     faults = Faults(ReductionError)
+    for name, count in Counter(removal.bond for removal in pending).items():
+        if count > 1:
+            faults.add(Diagnostic("reduction/removed-twice", f"'{name}' is removed {count} times"))
+    faults.raise_if_any()
+    while pending:
+        possible = [removal for removal in pending if removal.bond in net.bonds]
+        if not possible:
+            for removal in pending:
+                if removal.bond not in net.known_zero:
+                    faults.add(
+                        Diagnostic(
+                            "reduction/unknown-removal",
+                            f"a removal names '{removal.bond}', which is no bond of the model in normal form",
+                            help=nearest(str(removal.bond), (str(name) for name in net.bonds)),
+                        )
+                    )
+            break
+        normalise(net, _apply(net, possible, faults))
+        pending = [removal for removal in pending if removal not in possible]
+    faults.raise_if_any()
+
+
+def _apply(net: Net, removals: list[BondRemoval], faults: Faults) -> list[Zero]:
+    """Replace removed elements; gives the bonds that now carry no effort or no flow."""
     zeros: list[Zero] = []
     touched: dict[Path, set[Path]] = {}
-    seen: set[Path] = set()
     for removal in removals:
-        if isinstance(removal, Freeze):
-            continue
-        bond = net.bonds.get(removal.bond)
-        if bond is None or removal.bond in seen:
-            faults.add(Diagnostic("reduction/removed-twice", f"'{removal.bond}' is removed twice"))
-            continue
-        seen.add(removal.bond)
+        bond = net.bonds[removal.bond]
         end = bond.head if bond.head.port else bond.tail
-        touched.setdefault(end.owner, set()).add(removal.bond)
+        if end.port:
+            touched.setdefault(end.owner, set()).add(removal.bond)
         match removal:
             case ZeroEffort():
                 zeros.append((removal.bond, Variable.EFFORT))
@@ -52,18 +76,17 @@ def apply_removals(net: Net, removals: tuple[Removal, ...]) -> tuple[list[Zero],
                 zeros.append((removal.bond, Variable.FLOW))
             case ConstantEffort() | ConstantFlow():
                 variable = Variable.EFFORT if isinstance(removal, ConstantEffort) else Variable.FLOW
-                _replace_by_source(net, bond, end, variable, constant(removal.value), "constant")
+                _replace_by_source(net, bond, end, variable, constant(removal.value))
             case Cut():
                 _cut(net, bond, end, removal.driven)
     _drop_removed_fields(net, touched, zeros, faults)
-    faults.raise_if_any()
-    return zeros, {}
+    return zeros
 
 
-def _replace_by_source(net: Net, bond: Bond, end: End, variable: Variable, value: Expr, mark: str) -> None:
+def _replace_by_source(net: Net, bond: Bond, end: End, variable: Variable, value: Expr) -> None:
     """Let a source take the place of an element on its bond."""
     old = net.elements[end.owner]
-    path = end.owner / f"{end.port}_{mark}"
+    path = end.owner / f"{end.port}_constant"
     kind = _SOURCE[variable]
     net.elements[path] = Element(
         path=path,
@@ -105,15 +128,14 @@ def _cut(net: Net, bond: Bond, end: End, driven: Variable) -> None:
 
 
 def _drop_removed_fields(net: Net, touched: dict[Path, set[Path]], zeros: list[Zero], faults: Faults) -> None:
-    """A field goes as a whole: every port needs a removal."""
+    """Take away elements whose bonds all have another end now; a field goes as a whole."""
     pending = {name for name, _ in zeros}
-    for path, bonds in touched.items():
+    for path in touched:
         element = net.elements[path]
         left = [bond.name for bond in net.bonds_at(path) if bond.name not in pending]
-        cut = any(name in net.bonds and name not in pending and net.bonds[name] in net.bonds_at(path) for name in bonds)
-        if cut:
-            continue
-        if left and len(element.ports) > 1:
+        if not left and not net.bonds_at(path):
+            net.drop_node(path)
+        elif left and len(element.ports) > 1 and element.kind.is_energetic and left != list(touched[path]):
             names = ", ".join(str(name) for name in left)
             faults.add(
                 Diagnostic(
@@ -123,7 +145,3 @@ def _drop_removed_fields(net: Net, touched: dict[Path, set[Path]], zeros: list[Z
                     help="say for every port of a field what replaces it",
                 )
             )
-        elif not left:
-            detached = [bond for bond in net.bonds_at(path)]
-            if not detached:
-                net.drop_node(path)

@@ -1,0 +1,196 @@
+"""Activity: the integral of |effort x flow| of every energy element, ranked (Louca, Stein, Hulbert and Sprague 1997)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from propermodel.diagnostics import Diagnostic, Path, ReductionError
+from propermodel.simulation.trajectory import Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class ActivityRow:
+    """One row of a ranking. `cumulative` is the share of this row and all above it; `ports` are single bonds, J."""
+
+    path: Path
+    kind: str
+    activity: float  # J
+    index: float
+    cumulative: float
+    elements: tuple[Path, ...]
+    ports: tuple[tuple[Path, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Discretisation:
+    """The same run at a smaller step: by how much indices change, in percentage points."""
+
+    step: float
+    refined_step: float
+    largest_change_points: float
+    largest_change_at: Path
+    total_change: float  # relative change of the total activity
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActivityRanking:
+    """Rows sorted by activity, ties by path, with what the numbers depend on."""
+
+    rows: tuple[ActivityRow, ...]
+    total: float  # J
+    window: tuple[float, float]
+    scenario: str
+    datums: tuple[str, ...]
+    discretisation: Discretisation | None
+
+    def row(self, path: Path) -> ActivityRow:
+        """The row of an element or group."""
+        return next(row for row in self.rows if row.path == path)
+
+    def kept_by(self, threshold: float) -> tuple[ActivityRow, ...]:
+        """The published rule: rows from the top until their share reaches the threshold; the row that reaches it stays.
+
+        Raises:
+            ReductionError: the threshold is not a share between 0 and 1.
+        """
+        if not 0.0 <= threshold <= 1.0:
+            raise ReductionError.of("reduction/threshold", f"the threshold is {threshold}, not a share between 0 and 1")
+        kept: list[ActivityRow] = []
+        share = 0.0
+        for row in self.rows:
+            # All rows are kept for a threshold of 1, also where rounding lifts the sum early.
+            if kept and share >= threshold and (threshold < 1.0 or row.activity == 0.0):
+                break
+            if threshold == 0.0:
+                break
+            kept.append(row)
+            share = row.cumulative
+        return tuple(kept)
+
+    def __str__(self) -> str:
+        width = max((len(str(row.path)) for row in self.rows), default=4)
+        lines = [f"{'':>3}  {'element':<{width}}  kind    activity J     index  cumulative"]
+        for number, row in enumerate(self.rows, 1):
+            lines.append(
+                f"{number:>3}  {row.path!s:<{width}}  {row.kind:<4} {row.activity:>13.5g}  {row.index:>8.3%}  "
+                f"{row.cumulative:>9.3%}"
+            )
+        lines.append(f"total activity {self.total:.6g} J from {self.window[0]:g} to {self.window[1]:g} s")
+        if self.discretisation is None:
+            lines.append("no discretisation check was made: give rank_activity a refined run")
+        else:
+            check = self.discretisation
+            lines.append(
+                f"discretisation check: at a step of {check.refined_step:g} s instead of {check.step:g} s indices "
+                f"change by at most {check.largest_change_points:.3f} points ({check.largest_change_at})"
+            )
+        return "\n".join(lines)
+
+
+def rank_activity(
+    trajectory: Trajectory,
+    *,
+    refined: Trajectory | None = None,
+    window: tuple[float, float] | None = None,
+) -> ActivityRanking:
+    """Rank the energy elements of a run by activity.
+
+    Args:
+        trajectory: The run.
+        refined: The same run at a smaller step; without it the ranking says that it is unchecked.
+        window: A part of the run (taken to the instants at which integrals were kept); by default all of it.
+
+    Raises:
+        ReductionError: nothing moved, the run did not reach its end, or true and pseudo bonds would be mixed.
+    """
+    _check(trajectory)
+    activities = row_activities(trajectory, window)
+    total = sum(activities.values())
+    if not total > 0.0:
+        raise ReductionError.of(
+            "activity/none", f"nothing is active in scenario '{trajectory.scenario.name}': no element exchanges energy"
+        )
+    discretisation = None if refined is None else _compare_steps(trajectory, refined, activities, window)
+    by_row = {row.path: row for row in trajectory.compiled.system.rows}
+    rows: list[ActivityRow] = []
+    cumulative = 0.0
+    for path in sorted(activities, key=lambda p: (-activities[p], p)):
+        row = by_row[path]
+        cumulative += activities[path]
+        ports = tuple((bond, bond_activity(trajectory, bond, window)) for bond in row.bonds)
+        rows.append(
+            ActivityRow(path, row.kind, activities[path], activities[path] / total, cumulative / total, row.elements, ports)
+        )
+    domains = trajectory.compiled.graph.domains.values()
+    return ActivityRanking(
+        rows=tuple(rows),
+        total=total,
+        window=window or (trajectory.scenario.start, trajectory.ending.time),
+        scenario=trajectory.scenario.name,
+        datums=tuple(f"{d.name}: {d.datum}" for d in domains if d.datum),
+        discretisation=discretisation,
+    )
+
+
+def _check(trajectory: Trajectory) -> None:
+    if not trajectory.ending.is_complete:
+        raise ReductionError.of("activity/incomplete", f"the run did not reach its end: {trajectory.ending.message}")
+    graph = trajectory.compiled.graph
+    bonds = [graph.normal.bonds[name] for row in trajectory.compiled.system.rows for name in row.bonds]
+    kinds = {graph.domains[bond.domain].is_true: bond for bond in bonds if bond.domain in graph.domains}
+    if len(kinds) > 1:
+        raise ReductionError(
+            [
+                Diagnostic(
+                    "activity/pseudo-bonds",
+                    "true and pseudo bonds cannot be ranked together: the product of a pseudo bond is not power",
+                    where=f"{kinds[False].name} is a pseudo bond ({kinds[False].domain})",
+                    help="write the pseudo domain as a true one, with entropy flow for heat",
+                )
+            ]
+        )
+
+
+def row_activities(trajectory: Trajectory, window: tuple[float, float] | None = None) -> dict[Path, float]:
+    """The activity of every row, J; a group and a field count the power of all their bonds together."""
+    return {
+        row.path: bond_activity(trajectory, row.path if len(row.bonds) > 1 else row.bonds[0], window)
+        for row in trajectory.compiled.system.rows
+    }
+
+
+def bond_activity(trajectory: Trajectory, entry: Path, window: tuple[float, float] | None = None) -> float:
+    """The activity of a bond (or of a row of several), J."""
+    if window is None:
+        return trajectory.activity(entry)
+    column = trajectory.activities[:, trajectory.power_index(entry)]
+    first, last = (int(np.argmin(np.abs(trajectory.integral_times - t))) for t in window)
+    return float(column[last] - column[first])
+
+
+def bond_activities(trajectory: Trajectory) -> Mapping[Path, float]:
+    """The activity of every bond of the normal form over the whole run, J."""
+    return {
+        power.path: float(trajectory.memory.activity[i])
+        for i, power in enumerate(trajectory.compiled.lowered.powers)
+        if power.kind == "bond"
+    }
+
+
+def _compare_steps(
+    trajectory: Trajectory, refined: Trajectory, activities: Mapping[Path, float], window: tuple[float, float] | None
+) -> Discretisation:
+    finer = row_activities(refined, window)
+    total, finer_total = sum(activities.values()), sum(finer.values())
+    changes = {path: abs(finer[path] / finer_total - activities[path] / total) * 100.0 for path in activities}
+    worst = max(changes, key=lambda p: (changes[p], p))
+    return Discretisation(
+        step=trajectory.step,
+        refined_step=refined.step,
+        largest_change_points=changes[worst],
+        largest_change_at=worst,
+        total_change=finer_total / total - 1.0,
+    )

@@ -1,0 +1,289 @@
+"""From an equation system to a program: every quantity gets its slot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from propermodel.bondgraph.graph import BondGraph, SampledController
+from propermodel.codegen.program import (
+    Array,
+    Assign,
+    Extrapolation,
+    Function,
+    Layout,
+    Program,
+    Slot,
+    Solve,
+    TableSlot,
+)
+from propermodel.diagnostics import Path
+from propermodel.equations.definitions import Variables, sign_at
+from propermodel.equations.system import EquationSystem, ImplicitBlock, StateKind
+from propermodel.expressions.core import ONE, TIME, ZERO, Expr, Op, SymbolKind, leaves, postorder, symbol, where
+from propermodel.modelling.model import TableValues, Variable
+
+
+@dataclass(frozen=True)
+class PowerEntry:
+    """One entry of the power array: a bond, a row of several bonds, or a table (time spent outside it)."""
+
+    path: Path
+    kind: str  # "bond", "row" or "outside"
+    value: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Observable:
+    """Where a recordable quantity stands, and its unit."""
+
+    index: int
+    unit: str
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """A program with the meaning of its entries: powers, observables (several may share an entry), parameters."""
+
+    program: Program
+    powers: tuple[PowerEntry, ...]
+    observables: Mapping[Path, Observable]
+    signal_count: int
+    parameters: tuple[Path, ...]
+    held: tuple[Expr, ...]
+    tables: tuple[Path, ...]
+
+
+def lower(system: EquationSystem) -> Lowered:
+    """The program of an equation system."""
+    graph = system.causal.graph
+    powers = (*_bond_powers(system), *_row_powers(system))
+    observables, signals = _signals(system)
+    roots = [state.derivative for state in system.states]
+    roots += [e.value for e in powers] + signals
+    roots += [value for _, updates in system.updates for _, value in updates]
+    roots += [r for b in system.blocks for r in (*b.residuals, *(e for row in b.jacobian for e in row))]
+    outside = _time_outside([state.derivative for state in system.states], system)
+    powers = (*powers, *outside)
+    roots += [e.value for e in outside]
+    periods = [controller.period for controller in graph.controllers]
+    used = leaves(*roots, *periods)
+    held = tuple(h for c in graph.controllers for h, _ in c.starts)
+    parameters = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.PARAMETER)
+    tables = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.TABLE)
+    unknowns = tuple(u for b in system.blocks for u in b.unknowns)
+    layout = _layout(system, parameters, held, tables, unknowns, len(powers), len(signals))
+    rates = [Assign(Slot(Array.RATE, i), s.derivative) for i, s in enumerate(system.states)]
+    displacement_rates = [
+        Assign(Slot(Array.RATE, i), s.derivative)
+        for i, s in enumerate(system.states)
+        if s.kind is StateKind.DISPLACEMENT
+    ]
+    program = Program(
+        rates=_function("rates", system, [*rates, *_assignments(Array.POWER, (e.value for e in powers))]),
+        displacement_rates=_function("displacement_rates", system, displacement_rates),
+        observe=_function("observe", system, _assignments(Array.SIGNAL, signals)),
+        samples=tuple(_samples(system, held)),
+        periods=tuple(layout.slots[c.period].index for c in _in_run_order(system)),
+        layout=layout,
+    )
+    return Lowered(
+        program=program,
+        powers=powers,
+        observables=observables,
+        signal_count=len(signals),
+        parameters=tuple(leaf.data.path for leaf in parameters),
+        held=held,
+        tables=tuple(leaf.data.path for leaf in tables),
+    )
+
+
+def _in_run_order(system: EquationSystem) -> list[SampledController]:
+    by_path = {c.path: c for c in system.causal.graph.controllers}
+    return [by_path[path] for path, _ in system.updates]
+
+
+def _samples(system: EquationSystem, held: tuple[Expr, ...]) -> list[Function]:
+    index = {h: i for i, h in enumerate(held)}
+    return [
+        _function(
+            f"sample_{number}", system, [Assign(Slot(Array.DISCRETE, index[h]), value) for h, value in updates]
+        )
+        for number, (_, updates) in enumerate(system.updates)
+    ]
+
+
+def _assignments(array: Array, values: Iterable[Expr]) -> list[Assign]:
+    return [Assign(Slot(array, i), value) for i, value in enumerate(values)]
+
+
+def _function(name: str, system: EquationSystem, assigns: list[Assign]) -> Function:
+    """A function with the implicit blocks that its values need, in order."""
+    needed: set[ImplicitBlock] = set()
+    owner = {u: block for block in system.blocks for u in block.unknowns}
+    pending = [a.value for a in assigns]
+    while pending:
+        for leaf in leaves(*pending):
+            block = owner.get(leaf)
+            if block is not None and block not in needed:
+                needed.add(block)
+                pending.extend(block.residuals)
+                pending.extend(entry for row in block.jacobian for entry in row)
+        pending = [r for r in pending if _mentions_unsolved(r, owner, needed)]
+    solves = [_solve(block) for block in system.blocks if block in needed]
+    return Function(name, (*solves, *assigns))
+
+
+def _mentions_unsolved(expr: Expr, owner: dict[Expr, ImplicitBlock], needed: set[ImplicitBlock]) -> bool:
+    return any(leaf in owner and owner[leaf] not in needed for leaf in leaves(expr))
+
+
+def _solve(block: ImplicitBlock) -> Solve:
+    return Solve(
+        unknowns=block.unknowns,
+        residuals=block.residuals,
+        jacobian=block.jacobian,
+        scales=tuple(1.0 for _ in block.unknowns),
+        paths=block.paths,
+    )
+
+
+def _bond_powers(system: EquationSystem) -> tuple[PowerEntry, ...]:
+    graph = system.causal.graph
+    variables = Variables(graph)
+    return tuple(
+        PowerEntry(
+            bond.name,
+            "bond",
+            system.values[variables.of(bond, Variable.EFFORT)] * system.values[variables.of(bond, Variable.FLOW)],
+        )
+        for bond in graph.normal.bonds.values()
+    )
+
+
+def _row_powers(system: EquationSystem) -> tuple[PowerEntry, ...]:
+    graph = system.causal.graph
+    variables = Variables(graph)
+    found: list[PowerEntry] = []
+    for row in system.rows:
+        if len(row.bonds) < 2:
+            continue
+        inside = set(row.elements)
+        total = ZERO
+        for name in row.bonds:
+            bond = graph.normal.bonds[name]
+            power = system.values[variables.of(bond, Variable.EFFORT)] * system.values[variables.of(bond, Variable.FLOW)]
+            owner = bond.head.owner if bond.head.owner in inside else bond.tail.owner
+            total = total + power if sign_at(bond, owner) else total - power
+        found.append(PowerEntry(row.path, "row", total))
+    return tuple(found)
+
+
+def _time_outside(roots: list[Expr], system: EquationSystem) -> tuple[PowerEntry, ...]:
+    """For every table with a grid: 1 while its coordinate is outside, integrated to the time spent outside."""
+    graph = system.causal.graph
+    conditions: dict[Path, Expr] = {}
+    for node in postorder(roots):
+        if node.op is not Op.LOOKUP:
+            continue
+        path = node.args[0].data.path
+        if graph.tables[path].is_input:
+            continue
+        for axis, coordinate in enumerate(node.args[1:]):
+            low = symbol(SymbolKind.PARAMETER, path / f"low{axis}", "")
+            high = symbol(SymbolKind.PARAMETER, path / f"high{axis}", "")
+            leaving = (coordinate < low) | (coordinate > high)
+            conditions[path] = conditions[path] | leaving if path in conditions else leaving
+    return tuple(PowerEntry(path, "outside", where(c, ONE, ZERO)) for path, c in conditions.items())
+
+
+def _signals(system: EquationSystem) -> tuple[dict[Path, Observable], list[Expr]]:
+    """What can be recorded: states, held values, signals, stored energies, and the variables of ports.
+
+    Quantities with the same expression share one entry. Powers are left out: they are effort times flow.
+    """
+    values: list[Expr] = []
+    index: dict[Expr, int] = {}
+    found: dict[Path, Observable] = {}
+
+    def offer(path: Path, value: Expr, unit: str) -> None:
+        if value not in index:
+            index[value] = len(values)
+            values.append(value)
+        found.setdefault(path, Observable(index[value], unit))
+
+    states = {s.symbol for s in system.states}
+    for state in system.states:
+        offer(state.path, state.symbol, state.unit)
+    for controller in system.causal.graph.controllers:
+        for held, _ in controller.starts:
+            offer(held.data.path, held, held.data.unit)
+    for stored in system.energies:
+        offer(stored.element / "energy", stored.energy, "J")
+    for leaf, value in system.values.items():
+        if leaf.data.kind is not SymbolKind.POWER and _is_complete(value, states):
+            offer(leaf.data.path, value, leaf.data.unit)
+    return found, values
+
+
+_GIVEN = frozenset(
+    {SymbolKind.TIME, SymbolKind.PARAMETER, SymbolKind.TABLE, SymbolKind.DISCRETE, SymbolKind.UNKNOWN}
+)
+
+
+def _is_complete(value: Expr, states: set[Expr]) -> bool:
+    return all(leaf.data.kind in _GIVEN or leaf in states for leaf in leaves(value))
+
+
+def _layout(
+    system: EquationSystem,
+    parameters: tuple[Expr, ...],
+    held: tuple[Expr, ...],
+    tables: tuple[Expr, ...],
+    unknowns: tuple[Expr, ...],
+    power_count: int,
+    signal_count: int,
+) -> Layout:
+    slots: dict[Expr, Slot] = {TIME: Slot(Array.TIME, 0)}
+    slots.update({s.symbol: Slot(Array.STATE, i) for i, s in enumerate(system.states)})
+    slots.update({p: Slot(Array.PARAMETER, i) for i, p in enumerate(parameters)})
+    slots.update({h: Slot(Array.DISCRETE, i) for i, h in enumerate(held)})
+    slots.update({u: Slot(Array.UNKNOWN, i) for i, u in enumerate(unknowns)})
+    graph = system.causal.graph
+    kinds = [s.kind for s in system.states]
+    return Layout(
+        slots=slots,
+        lengths={
+            Array.TIME: 1,
+            Array.STATE: len(system.states),
+            Array.RATE: len(system.states),
+            Array.DISCRETE: len(held),
+            Array.PARAMETER: len(parameters),
+            Array.UNKNOWN: len(unknowns),
+            Array.POWER: power_count,
+            Array.SIGNAL: signal_count,
+        },
+        tables=tuple(_table_slot(graph, t.data.path) for t in tables),
+        table_index={t: i for i, t in enumerate(tables)},
+        momenta=tuple(i for i, k in enumerate(kinds) if k is StateKind.MOMENTUM),
+        displacements=tuple(i for i, k in enumerate(kinds) if k is StateKind.DISPLACEMENT),
+    )
+
+
+def _table_slot(graph: BondGraph, path: Path) -> TableSlot:
+    table = graph.tables[path]
+    return TableSlot(
+        path=path,
+        dimensions=len(table.values.grids),
+        extrapolation=Extrapolation(table.spec.extrapolation),
+        is_uniform=False if table.is_input else is_uniform(table.values),
+    )
+
+
+def is_uniform(values: TableValues) -> bool:
+    """Whether every grid is equidistant to rounding, with more than two points."""
+    for grid in values.grids:
+        step = (grid[-1] - grid[0]) / (len(grid) - 1)
+        if any(abs(b - a - step) > 1e-9 * abs(step) for a, b in zip(grid[:-1], grid[1:], strict=True)):
+            return False
+    return True

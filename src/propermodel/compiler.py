@@ -1,0 +1,66 @@
+"""The spine: a model becomes a compiled model.
+
+    Component -> Model -> BondGraph -> CausalGraph -> EquationSystem -> Program -> CompiledModel
+
+Each arrow is one function, each node one frozen type.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+from propermodel.bondgraph.flatten import flatten
+from propermodel.bondgraph.graph import BondGraph
+from propermodel.causality.assign import assign_causality
+from propermodel.codegen.build import Backend, build_machine
+from propermodel.codegen.lower import Lowered, lower
+from propermodel.codegen.machine import Machine, Method
+from propermodel.equations.formulate import formulate
+from propermodel.equations.system import EquationSystem
+from propermodel.modelling.model import Model
+
+
+@dataclass(frozen=True)
+class CompiledModel:
+    """A model with its equations and program; machines for each integration method are made when first used."""
+
+    model: Model
+    system: EquationSystem
+    lowered: Lowered
+    backend: Backend
+    compile_s: float
+    _machines: dict[tuple[Method, int], Machine] = field(default_factory=dict[tuple[Method, int], Machine], repr=False)
+
+    @property
+    def graph(self) -> BondGraph:
+        """The bond graph in normal form."""
+        return self.system.causal.graph
+
+    def machine(self, method: Method, lanes: int = 1) -> Machine:
+        """The native code for one integration method."""
+        key = (method, lanes)
+        if key not in self._machines:
+            self._machines[key] = build_machine(self.lowered.program, method, lanes, self.backend)
+        return self._machines[key]
+
+    def __str__(self) -> str:
+        return str(self.system)
+
+
+def compile_model(model: Model, *, backend: Backend = Backend.NATIVE) -> CompiledModel:
+    """Compile a model, removals included.
+
+    Raises:
+        ModelError: ports or signals are not connected.
+        StructureError: the bond graph has no causality or its equations are singular.
+    """
+    begin = time.perf_counter()
+    graph = flatten(model)
+    causal = assign_causality(graph)
+    system = formulate(causal)
+    lowered = lower(system)
+    return CompiledModel(model, system, lowered, backend, time.perf_counter() - begin)
+
+
+__all__ = ["Backend", "CompiledModel", "Method", "compile_model"]

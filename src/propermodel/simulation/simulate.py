@@ -1,0 +1,252 @@
+"""Runs a compiled model through a scenario; the whole loop is native and returns about ten times a second."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from propermodel.codegen.machine import FloatArray, Machine, Memory, Method, Outcome, Request, Status
+from propermodel.compiler import CompiledModel
+from propermodel.diagnostics import Path, SimulationError, nearest
+from propermodel.expressions.core import Expr
+from propermodel.modelling.model import Scenario
+from propermodel.simulation.start import begin
+from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
+
+RETURN_EVERY_S = 0.1
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run has come."""
+
+    time: float  # simulated, s
+    start: float
+    stop: float
+    wall_s: float
+
+    @property
+    def fraction(self) -> float:
+        """The share of the window that is done."""
+        return (self.time - self.start) / (self.stop - self.start)
+
+    @property
+    def times_real_time(self) -> float:
+        """Simulated seconds per second."""
+        return (self.time - self.start) / max(self.wall_s, 1e-9)
+
+    @property
+    def seconds_left(self) -> float:
+        """Estimated time to the end, s."""
+        return (self.stop - self.time) / max(self.times_real_time, 1e-9)
+
+
+def simulate(
+    compiled: CompiledModel,
+    scenario: Scenario,
+    *,
+    method: Method = Method.SEMI_IMPLICIT,
+    step: float = 2e-4,
+    record: Iterable[Expr | Path | str] | None = None,
+    record_every: float = 0.1,
+    integrals_every: float = 1.0,
+    progress: Callable[[Progress], None] | None = None,
+    continued_from: Trajectory | None = None,
+) -> Trajectory:
+    """Run a scenario with a fixed step.
+
+    Args:
+        compiled: The model.
+        scenario: Inputs, initial values, parameter values and window.
+        method: How a step is taken.
+        step: Largest step, s; it is shortened to meet samples of controllers and recording instants.
+        record: Observables to record; by default all.
+        record_every: Period of recording, s.
+        integrals_every: Period at which the integrals of power are kept, s; they are made at every step.
+        progress: Called about ten times a second.
+        continued_from: A run of the same model to go on from; `scenario.stop` is the new end.
+
+    Returns:
+        What was computed, also when the run was interrupted (Ctrl-C) or failed: see `ending`.
+
+    Raises:
+        SimulationError: the scenario or an observable does not fit the model.
+    """
+    if not scenario.stop > scenario.start:
+        raise SimulationError.of(
+            "simulation/window", f"scenario '{scenario.name}' ends at {scenario.stop} s, not after its start"
+        )
+    if not step > 0.0:
+        raise SimulationError.of("simulation/step", f"the step is {step} s; it must be positive")
+    selected = _selected(compiled, record)
+    before = time.perf_counter()
+    machine = compiled.machine(method)
+    build_s = time.perf_counter() - before
+    memory = begin(compiled, scenario) if continued_from is None else _continue(compiled, scenario, continued_from)
+    start_signals = machine.observe(memory)
+    rows = _Rows(memory, scenario, selected, record_every, integrals_every, len(compiled.lowered.powers))
+    request = Request(
+        until=scenario.stop,
+        step=step,
+        row_period=record_every,
+        integral_period=integrals_every,
+        selected=selected,
+        most_rows=2000,
+        most_ticks=200,
+    )
+    before = time.perf_counter()
+    outcome = _run(machine, memory, request, rows, progress, scenario)
+    wall_s = time.perf_counter() - before
+    return Trajectory(
+        compiled=compiled,
+        scenario=scenario,
+        method=method,
+        step=step,
+        time=rows.times[: rows.count],
+        columns=rows.values[: rows.count],
+        recorded={int(entry): column for column, entry in enumerate(selected)},
+        integral_times=rows.integral_times[: rows.integral_count],
+        integrals=rows.integrals[: rows.integral_count],
+        activities=rows.activities[: rows.integral_count],
+        start_signals=start_signals,
+        final_signals=machine.observe(memory),
+        memory=memory,
+        ending=_ending(compiled, outcome, memory),
+        statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
+    )
+
+
+class _Rows:
+    """Room for what is recorded, allocated once."""
+
+    def __init__(
+        self,
+        memory: Memory,
+        scenario: Scenario,
+        selected: np.ndarray[tuple[int], np.dtype[np.int64]],
+        row_period: float,
+        integral_period: float,
+        powers: int,
+    ) -> None:
+        span = scenario.stop - memory.time
+        room, integral_room = int(span / row_period) + 3, int(span / integral_period) + 3
+        self.times: FloatArray = np.empty(room)
+        self.values: FloatArray = np.empty((room, len(selected)))
+        self.integral_times: FloatArray = np.empty(integral_room)
+        self.integrals: FloatArray = np.empty((integral_room, powers))
+        self.activities: FloatArray = np.empty((integral_room, powers))
+        self.count = 0
+        self.integral_count = 0
+
+    def keep(self, outcome: Outcome) -> None:
+        """Take over what one call recorded."""
+        n = len(outcome.row_times)
+        self.times[self.count : self.count + n] = outcome.row_times
+        self.values[self.count : self.count + n] = outcome.rows
+        self.count += n
+        n = len(outcome.integral_times)
+        here = slice(self.integral_count, self.integral_count + n)
+        self.integral_times[here] = outcome.integral_times
+        self.integrals[here] = outcome.integrals
+        self.activities[here] = outcome.activities
+        self.integral_count += n
+
+
+def _run(
+    machine: Machine,
+    memory: Memory,
+    request: Request,
+    rows: _Rows,
+    progress: Callable[[Progress], None] | None,
+    scenario: Scenario,
+) -> Outcome | None:
+    """Run to the end, returning often; None when the user interrupts."""
+    begin_wall = time.perf_counter()
+    try:
+        while True:
+            before = time.perf_counter()
+            outcome = machine.run(memory, request)
+            taken = time.perf_counter() - before
+            rows.keep(outcome)
+            if progress is not None:
+                progress(Progress(memory.time, scenario.start, scenario.stop, time.perf_counter() - begin_wall))
+            if outcome.status is not Status.PAUSED:
+                return outcome
+            factor = min(max(RETURN_EVERY_S / max(taken, 1e-6), 0.25), 4.0)
+            request = replace(request, most_ticks=max(1, min(int(request.most_ticks * factor), 1_000_000)))
+    except KeyboardInterrupt:
+        return None
+
+
+def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory) -> Ending:
+    at = memory.time
+    if outcome is None:
+        return Ending(RunStatus.INTERRUPTED, f"interrupted at {at:.6g} s; what was computed is kept", at)
+    match outcome.status:
+        case Status.FINISHED | Status.PAUSED:
+            return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
+        case Status.NOT_FINITE:
+            path = compiled.system.states[outcome.index].path
+            return Ending(
+                RunStatus.FAILED,
+                f"stopped at {outcome.time:.6g} s: the state {path} is no longer a finite number; "
+                "try a smaller step",
+                outcome.time,
+                path,
+            )
+        case Status.OUT_OF_RANGE:
+            state = compiled.system.states[outcome.index]
+            value = float(memory.state[outcome.index])
+            return Ending(
+                RunStatus.FAILED,
+                f"stopped at {outcome.time:.6g} s: the state {state.path} = {value:.6g} {state.unit} has left the "
+                "range it is meant for",
+                outcome.time,
+                state.path,
+            )
+        case Status.NOT_CONVERGED:
+            block = compiled.system.blocks[outcome.index]
+            names = ", ".join(str(path) for path in dict.fromkeys(block.paths))
+            return Ending(
+                RunStatus.FAILED,
+                f"stopped at {outcome.time:.6g} s: Newton's method found no solution for {names}",
+                outcome.time,
+                block.paths[0],
+            )
+
+
+def _selected(
+    compiled: CompiledModel, record: Iterable[Expr | Path | str] | None
+) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    known = compiled.lowered.observables
+    if record is None:
+        return np.arange(compiled.lowered.signal_count, dtype=np.int64)
+    chosen: dict[int, None] = {}
+    for item in record:
+        path = observable_path(item)
+        wanted = [path.parent / "effort", path.parent / "flow"] if path.name == "power" and path not in known else [path]
+        for name in wanted:
+            if name not in known:
+                raise SimulationError.of(
+                    "simulation/unknown-observable",
+                    f"the model has no observable '{name}'",
+                    help=nearest(str(name), (str(p) for p in known)),
+                )
+            chosen[known[name].index] = None
+    return np.array(list(chosen), dtype=np.int64)
+
+
+def _continue(compiled: CompiledModel, scenario: Scenario, earlier: Trajectory) -> Memory:
+    if earlier.compiled is not compiled:
+        raise SimulationError.of(
+            "simulation/continue", "a run can only be continued with the compiled model that began it"
+        )
+    memory = earlier.memory.copy()
+    if not scenario.stop > memory.time:
+        raise SimulationError.of(
+            "simulation/window", f"the run to continue is already at {memory.time} s, past the stop {scenario.stop} s"
+        )
+    return memory

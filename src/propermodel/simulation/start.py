@@ -1,0 +1,207 @@
+"""The working memory at the start of a run: parameters, tables, states and held values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from propermodel.codegen.lower import is_uniform
+from propermodel.codegen.machine import Memory, TableData, start_memory
+from propermodel.codegen.program import Array
+from propermodel.compiler import CompiledModel
+from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, nearest
+from propermodel.equations.system import StateKind
+from propermodel.expressions.core import Expr, SymbolKind, leaves
+from propermodel.expressions.interpret import interpret
+from propermodel.modelling.model import Scenario, Storage, TableValues
+
+Values = dict[Expr, float]
+
+
+def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -> Values:
+    """The value of every parameter, in SI; overrides replace what the model says.
+
+    Raises:
+        SimulationError: an override names no parameter, or leaves its declared range.
+    """
+    flat = compiled.graph.parameters
+    faults = Faults(SimulationError)
+    for path, value in overrides.items():
+        if path not in flat:
+            faults.add(
+                Diagnostic(
+                    "simulation/unknown-parameter",
+                    f"the model has no parameter '{path}'",
+                    help=nearest(str(path), (str(p) for p in flat)),
+                )
+            )
+        elif not flat[path].low <= value <= flat[path].high or not math.isfinite(value):
+            faults.add(
+                Diagnostic(
+                    "simulation/parameter-range",
+                    f"'{path}' = {value:g} {flat[path].unit} lies outside {flat[path].low:g} to {flat[path].high:g}",
+                )
+            )
+    faults.raise_if_any()
+    known: Values = {flat[path].symbol: float(value) for path, value in overrides.items()}
+    by_symbol = {p.symbol: p for p in flat.values()}
+    for start in flat.values():
+        pending = [start]
+        while pending:
+            top = pending[-1]
+            if top.symbol in known:
+                pending.pop()
+                continue
+            missing = [by_symbol[leaf] for leaf in leaves(top.value) if leaf not in known]
+            if missing:
+                pending.extend(missing)
+            else:
+                known[top.symbol] = interpret(top.value, known)
+                pending.pop()
+    return known
+
+
+def begin(compiled: CompiledModel, scenario: Scenario) -> Memory:
+    """The memory of a run at its start.
+
+    Raises:
+        SimulationError: the scenario names something that does not exist, or its numbers do not fit.
+    """
+    faults = Faults(SimulationError)
+    parameters = parameter_values(compiled, scenario.parameters)
+    tables = _tables(compiled, scenario, faults)
+    states, lower, upper = _states(compiled, scenario, parameters, faults)
+    held = _held(compiled, scenario, parameters)
+    faults.raise_if_any()
+    program = compiled.lowered.program
+    flat = compiled.graph.parameters
+    limits = _grid_limits(compiled, tables)
+    memory = start_memory(
+        program,
+        {
+            Array.STATE: states,
+            Array.DISCRETE: held,
+            Array.PARAMETER: [
+                parameters[flat[path].symbol] if path in flat else limits[path] for path in compiled.lowered.parameters
+            ],
+        },
+        tables=[TableData(tuple(np.array(g) for g in t.grids), np.array(t.values)) for t in tables.values()],
+        origin=scenario.start,
+    )
+    memory.lower[:], memory.upper[:] = lower, upper
+    return memory
+
+
+def _tables(compiled: CompiledModel, scenario: Scenario, faults: Faults) -> dict[Path, TableValues]:
+    flat = compiled.graph.tables
+    found: dict[Path, TableValues] = {}
+    for path in (*scenario.tables, *scenario.inputs):
+        if path not in flat:
+            faults.add(
+                Diagnostic(
+                    "simulation/unknown-input",
+                    f"scenario '{scenario.name}' gives '{path}', which is no input or table of this model",
+                    help=nearest(str(path), (str(p) for p in flat)),
+                )
+            )
+    for index, path in enumerate(compiled.lowered.tables):
+        table = flat[path]
+        values = scenario.tables.get(path, table.values)
+        if path in scenario.inputs:
+            values = _input(scenario.inputs[path], scenario)
+        slot = compiled.lowered.program.layout.tables[index]
+        if len(values.grids) != slot.dimensions or (slot.is_uniform and not is_uniform(values)):
+            faults.add(
+                Diagnostic(
+                    "simulation/table-shape",
+                    f"the table '{path}' was compiled with {slot.dimensions} coordinate(s)"
+                    f"{' on equidistant grids' if slot.is_uniform else ''}; the scenario gives another shape",
+                    help="give the table of the model the same kind of grid",
+                )
+            )
+        found[path] = values
+    return found
+
+
+def _input(value: float | TableValues, scenario: Scenario) -> TableValues:
+    if isinstance(value, TableValues):
+        return value
+    end = scenario.stop if scenario.stop > scenario.start else scenario.start + 1.0
+    return TableValues(((scenario.start, end),), (float(value), float(value)))
+
+
+def _grid_limits(compiled: CompiledModel, tables: Mapping[Path, TableValues]) -> dict[Path, float]:
+    """The ends of table grids, which the program reads as parameters to count the time spent outside."""
+    found: dict[Path, float] = {}
+    for path, values in tables.items():
+        for axis, grid in enumerate(values.grids):
+            found[path / f"low{axis}"] = grid[0]
+            found[path / f"high{axis}"] = grid[-1]
+    return found
+
+
+def _states(
+    compiled: CompiledModel, scenario: Scenario, parameters: Values, faults: Faults
+) -> tuple[list[float], list[float], list[float]]:
+    given = _initial_states(compiled, scenario, parameters, faults)
+    states: list[float] = []
+    lower: list[float] = []
+    upper: list[float] = []
+    for state in compiled.system.states:
+        value = given.get(state.path)
+        states.append(interpret(state.start, parameters) if value is None else value)
+        lower.append(interpret(state.low, parameters))
+        upper.append(interpret(state.high, parameters))
+    return states, lower, upper
+
+
+def _initial_states(
+    compiled: CompiledModel, scenario: Scenario, parameters: Values, faults: Faults
+) -> dict[Path, float]:
+    """Initial values of a scenario by state: given as the state itself, or as the variable it decides at its port."""
+    states = {s.path: s for s in compiled.system.states}
+    held = {h.data.path for h in compiled.lowered.held}
+    found: dict[Path, float] = {}
+    for path, value in scenario.initial.items():
+        if path in states:
+            found[path] = value
+        elif path not in held and not _at_port(compiled, path, value, parameters, found):
+            faults.add(
+                Diagnostic(
+                    "simulation/unknown-initial",
+                    f"scenario '{scenario.name}' gives a start for '{path}', which is no state of this model",
+                    help=nearest(str(path), (str(p) for p in (*states, *held))),
+                )
+            )
+    return found
+
+
+def _at_port(
+    compiled: CompiledModel, path: Path, value: float, parameters: Values, found: dict[Path, float]
+) -> bool:
+    element = compiled.graph.normal.elements.get(Path(path[:-2]))
+    if element is None or not isinstance(element.behaviour, Storage) or element.path not in compiled.system.causal.integral:
+        return False
+    storage = element.behaviour
+    state = element.path / storage.coordinates[0].name
+    if path.name in (StateKind.DISPLACEMENT.value, StateKind.MOMENTUM.value) and len(storage.coordinates) == 1:
+        found[state] = value
+        return True
+    if storage.inverse is None or path.name not in ("effort", "flow"):
+        return False
+    driver = next(
+        (leaf for leaf in leaves(storage.inverse) if leaf.data.kind in (SymbolKind.EFFORT, SymbolKind.FLOW)), None
+    )
+    if driver is None or driver.data.path != path:
+        return False
+    found[state] = interpret(storage.inverse, {**parameters, driver: value})
+    return True
+
+
+def _held(compiled: CompiledModel, scenario: Scenario, parameters: Values) -> list[float]:
+    starts = {held: start for c in compiled.graph.controllers for held, start in c.starts}
+    return [
+        scenario.initial.get(held.data.path, interpret(starts[held], parameters)) for held in compiled.lowered.held
+    ]

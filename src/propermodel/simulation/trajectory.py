@@ -1,0 +1,195 @@
+"""The answer of a simulation: recorded columns by path, integrals of power, status and statistics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from propermodel.codegen.machine import FloatArray, Memory, Method
+from propermodel.compiler import CompiledModel
+from propermodel.diagnostics import Path, SimulationError, nearest, parse_path
+from propermodel.expressions.core import Expr
+from propermodel.modelling.model import Scenario
+
+
+class RunStatus(StrEnum):
+    """How a run ended."""
+
+    COMPLETED = "completed"
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended, in a sentence."""
+
+    status: RunStatus
+    message: str
+    time: float
+    path: Path = Path()
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the run reached its stop time."""
+        return self.status is RunStatus.COMPLETED
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a run cost."""
+
+    steps: int
+    wall_s: float
+    build_s: float
+
+
+@dataclass(frozen=True)
+class TableUse:
+    """How long a run was outside the grid of a table."""
+
+    path: Path
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectory:
+    """A run: `trajectory[observable]` is a recorded column over `time`.
+
+    Integrals of power and of its absolute value were made inside the integration loop, at every step, for every bond;
+    `integral_times` are the instants at which they were kept.
+    """
+
+    compiled: CompiledModel
+    scenario: Scenario
+    method: Method
+    step: float
+    time: FloatArray
+    columns: FloatArray  # rows x recorded entries
+    recorded: Mapping[int, int]  # entry of the program's signals: column
+    integral_times: FloatArray
+    integrals: FloatArray
+    activities: FloatArray
+    start_signals: FloatArray
+    final_signals: FloatArray
+    memory: Memory
+    ending: Ending
+    statistics: Statistics
+
+    def __getitem__(self, observable: Expr | Path | str) -> FloatArray:
+        """A recorded column, by observable (`truck.body.flange.flow`), path or text.
+
+        Raises:
+            SimulationError: the model has no such observable, or it was not recorded.
+        """
+        path = observable_path(observable)
+        if path.name == "power" and path not in self.compiled.lowered.observables:
+            return self[path.parent / "effort"] * self[path.parent / "flow"]
+        return self.columns[:, self._column(path)]
+
+    def _column(self, path: Path) -> int:
+        known = self.compiled.lowered.observables
+        if path not in known:
+            raise SimulationError.of(
+                "simulation/unknown-observable",
+                f"the model has no observable '{path}'",
+                help=nearest(str(path), (str(p) for p in known)),
+            )
+        column = self.recorded.get(known[path].index)
+        if column is None:
+            raise SimulationError.of(
+                "simulation/not-recorded",
+                f"'{path}' was not recorded in this run",
+                help="name it in simulate(..., record=[...])",
+            )
+        return column
+
+    def __contains__(self, observable: Expr | Path | str) -> bool:
+        path = observable_path(observable)
+        known = self.compiled.lowered.observables.get(path)
+        return known is not None and known.index in self.recorded
+
+    def unit(self, observable: Expr | Path | str) -> str:
+        """The unit of an observable."""
+        path = observable_path(observable)
+        if path.name == "power":
+            return "W"
+        return self.compiled.lowered.observables[path].unit
+
+    def at_start(self, observable: Expr | Path | str) -> float:
+        """The value of any observable at the start, recorded or not."""
+        return float(self.start_signals[self.compiled.lowered.observables[observable_path(observable)].index])
+
+    def at_end(self, observable: Expr | Path | str) -> float:
+        """The value of any observable at the end, recorded or not."""
+        return float(self.final_signals[self.compiled.lowered.observables[observable_path(observable)].index])
+
+    def activity(self, entry: Path) -> float:
+        """The integral of |power| of a bond or row over the whole run, J."""
+        return float(self.memory.activity[self.power_index(entry)])
+
+    def work(self, entry: Path) -> float:
+        """The integral of power of a bond (along its half arrow) or row (into it) over the whole run, J."""
+        return float(self.memory.integral[self.power_index(entry)])
+
+    def power_index(self, entry: Path) -> int:
+        """The entry of the power array that belongs to a bond or row."""
+        for index, power in enumerate(self.compiled.lowered.powers):
+            if power.path == entry and power.kind != "outside":
+                return index
+        raise SimulationError.of("simulation/unknown-bond", f"the model has no bond or row '{entry}'")
+
+    @property
+    def outside_tables(self) -> tuple[TableUse, ...]:
+        """The tables whose grid the run left, and for how long."""
+        return tuple(
+            TableUse(power.path, float(self.memory.activity[i]))
+            for i, power in enumerate(self.compiled.lowered.powers)
+            if power.kind == "outside" and self.memory.activity[i] > 0.0
+        )
+
+    def to_pandas(self) -> Any:
+        """The recorded columns as a pandas DataFrame over time; needs the extra `data`."""
+        import pandas as pd
+
+        columns = {str(path): self[path] for path in self.paths}
+        return pd.DataFrame(columns, index=pd.Index(self.time, name="time_s"))
+
+    def to_xarray(self) -> Any:
+        """The recorded columns as an xarray Dataset over time, with units; needs the extra `data`."""
+        import xarray as xr
+
+        data = {str(path): ("time", self[path], {"units": self.unit(path)}) for path in self.paths}
+        return xr.Dataset(data, coords={"time": ("time", self.time, {"units": "s"})})
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """Every recorded observable."""
+        known = self.compiled.lowered.observables
+        return tuple(path for path, observable in known.items() if observable.index in self.recorded)
+
+    def __str__(self) -> str:
+        speed = (self.ending.time - self.scenario.start) / max(self.statistics.wall_s, 1e-9)
+        return (
+            f"{self.compiled.model.name}, scenario {self.scenario.name}: {self.ending.message}; "
+            f"{self.statistics.steps} steps of {self.step:g} s ({self.method}) in {self.statistics.wall_s:.2f} s, "
+            f"{speed:.0f} times real time"
+        )
+
+
+def observable_path(observable: Expr | Path | str) -> Path:
+    """The path of an observable given as an expression of a component, a path or text."""
+    if isinstance(observable, Expr):
+        return observable.data.path
+    if isinstance(observable, Path):
+        return observable
+    return parse_path(observable)
+
+
+def interpolated(trajectory: Trajectory, path: Path, times: FloatArray) -> FloatArray:
+    """A column at other instants, linear in between."""
+    return np.interp(times, trajectory.time, trajectory[path])
