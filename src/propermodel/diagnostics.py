@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import lru_cache
+from pathlib import Path as FilePath
+from typing import Self
 
 
 class Path(tuple[str, ...]):
@@ -57,6 +61,25 @@ class Source:
 
 
 NO_SOURCE = Source("", 0)
+
+
+def portable_file(file: str) -> str:
+    """A file name that means the same elsewhere: relative to the working directory or an import path.
+
+    A file outside both keeps only its own name, so that no document tells where somebody's home is.
+    """
+    return _relative_to(file, (str(FilePath.cwd()), *sorted(sys.path, key=len, reverse=True)))
+
+
+@lru_cache(maxsize=4096)
+def _relative_to(file: str, bases: tuple[str, ...]) -> str:
+    path = FilePath(file)
+    if not path.is_absolute():
+        return path.as_posix() if file else ""
+    for base in map(FilePath, bases):
+        if len(base.parts) > 1 and path.is_relative_to(base):
+            return path.relative_to(base).as_posix()
+    return path.name
 
 
 class Severity(StrEnum):
@@ -120,7 +143,7 @@ class ProperModelError(Exception):
         source: Source = NO_SOURCE,
         involved: Iterable[Involved] = (),
         help: str = "",
-    ) -> ProperModelError:
+    ) -> Self:
         """An error with one diagnostic."""
         return cls([Diagnostic(code, message, where, source, tuple(involved), help)])
 

@@ -21,7 +21,7 @@ from propermodel.modelling.model import (
 def assign_causality(graph: BondGraph) -> CausalGraph:
     """Assign every causal stroke.
 
-    Sources first, then laws with one causality, then storage (integral where possible), then the free resistances.
+    Sources first, then laws with one causality, then storage (integral if possible), then free resistances.
 
     Raises:
         StructureError: strokes contradict each other; the elements that forced them are named.
@@ -290,7 +290,9 @@ class Assignment:
             )
         else:
             message = f"{element.path} cannot have the causality it needs"
-            cure = "give the element a law for the other causality, or put a storage between it and what forces it"
+            cure = (
+                "give the element a law for the other causality, or put storage between it and what forces it"
+            )
         where = f"{conflict.place} ({junction.kind}-junction)" if junction else str(conflict.place)
         source = junction.source if junction and junction.source.line else element.source
         return StructureError(

@@ -1,8 +1,6 @@
 """Immutable scalar expressions, tables, derivatives and units."""
 
-from propermodel.expressions.core import (
-    TIME as time,
-)
+from propermodel.expressions.core import TIME as time  # noqa: N811 (reads like the other names in a law)
 from propermodel.expressions.core import (
     Expr,
     ExprLike,

@@ -1,8 +1,8 @@
 """Immutable scalar expressions, shared by construction.
 
-Two expressions that are built alike are the same object, so `==` compares structure, hashing is cheap and a common
-subexpression is computed once in generated code. Model comparisons (`<`, `>`, `equals`) give conditions, which are
-expressions too; using one as a Python truth value is an error that points to `where`.
+Two expressions that are built alike are the same object, so `==` compares structure, hashing is cheap and a
+common subexpression is computed once in generated code. Model comparisons (`<`, `>`, `equals`) give
+conditions, which are expressions too; using one as a Python truth value is an error that points to `where`.
 """
 
 from __future__ import annotations
@@ -428,7 +428,7 @@ def clip(value: ExprLike, low: ExprLike, high: ExprLike) -> Expr:
     return _minimum(_maximum(value, low), high)
 
 
-def _comparison(op: Op, function: Callable[[float, float], bool]) -> Callable[[ExprLike, ExprLike], Expr]:
+def _comparison(op: Op) -> Callable[[ExprLike, ExprLike], Expr]:
     def build(a: ExprLike, b: ExprLike) -> Expr:
         return intern_node(op, (as_expr(a), as_expr(b)))
 
@@ -436,12 +436,12 @@ def _comparison(op: Op, function: Callable[[float, float], bool]) -> Callable[[E
     return build
 
 
-less = _comparison(Op.LESS, lambda a, b: a < b)
-less_equal = _comparison(Op.LESS_EQUAL, lambda a, b: a <= b)
-equals = _comparison(Op.EQUAL, lambda a, b: a == b)
+less = _comparison(Op.LESS)
+less_equal = _comparison(Op.LESS_EQUAL)
+equals = _comparison(Op.EQUAL)
 
 
-def _condition(value: Expr) -> Expr:
+def _condition(value: object) -> Expr:
     if not isinstance(value, Expr) or not value.is_condition:
         raise TypeError(f"expected a condition such as 'x > 0', got {value!r}")
     return value
@@ -545,7 +545,7 @@ def leaves(*roots: Expr) -> list[Expr]:
 
 
 class Substitution:
-    """Replaces leaves (or whole subexpressions); remembers what it has done, so shared parts are visited once."""
+    """Replaces leaves or subexpressions; remembers what it has done, so shared parts are visited once."""
 
     def __init__(self, mapping: Mapping[Expr, Expr]) -> None:
         self._done: dict[Expr, Expr] = dict(mapping)

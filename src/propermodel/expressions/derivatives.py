@@ -50,7 +50,7 @@ def local_partials(node: Expr) -> tuple[Expr, ...]:
         case Op.ABSOLUTE:
             return (sign(a[0]),)
         case Op.SQUARE_ROOT:
-            # At zero the slope is infinite; a root of an absolute value is used there with a factor that vanishes.
+            # Infinite at zero; laws use a root of an absolute value there with a factor that vanishes.
             return (where(equals(node, ZERO), ZERO, divide(constant(0.5), node)),)
         case Op.EXPONENTIAL:
             return (node,)

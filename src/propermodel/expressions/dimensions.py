@@ -1,4 +1,4 @@
-"""Dimensional consistency of expressions."""
+"""Dimensional consistency of expressions. The dimension None is that of zero, which fits any."""
 
 from __future__ import annotations
 
@@ -7,9 +7,6 @@ from collections.abc import Mapping
 from propermodel.expressions.core import CONDITIONS, Expr, Op, is_zero, number, postorder
 from propermodel.expressions.printing import to_text
 from propermodel.expressions.units import DIMENSIONLESS, Dimension, dimension_text, parse_unit
-
-# A zero fits every dimension.
-ANY = None
 
 
 def _scaled(dimension: Dimension, power: float) -> Dimension:
@@ -28,18 +25,18 @@ class DimensionMismatch(Exception):
 
 
 def _same(node: Expr, dimensions: list[Dimension | None]) -> Dimension | None:
-    known = [d for d in dimensions if d is not ANY]
+    known = [d for d in dimensions if d is not None]
     if any(d != known[0] for d in known):
         texts = " and ".join(dimension_text(d) for d in known)
         raise DimensionMismatch(f"'{to_text(node)}' combines {texts}")
-    return known[0] if known else ANY
+    return known[0] if known else None
 
 
 def _dimensionless(node: Expr, dimensions: list[Dimension | None]) -> Dimension:
     for d in dimensions:
-        if d not in (ANY, DIMENSIONLESS):
+        if d is not None and d != DIMENSIONLESS:
             raise DimensionMismatch(
-                f"the argument of '{to_text(node)}' is not dimensionless but {dimension_text(d or ())}"
+                f"the argument of '{to_text(node)}' is not dimensionless but {dimension_text(d)}"
             )
     return DIMENSIONLESS
 
@@ -60,7 +57,7 @@ def _node_dimension(
     node: Expr, args: list[Dimension | None], leaf_units: Mapping[Expr, str]
 ) -> Dimension | None:
     if is_zero(node):
-        return ANY
+        return None
     match node.op:
         case Op.CONSTANT:
             return parse_unit(node.data[1]).dimension
@@ -72,13 +69,13 @@ def _node_dimension(
         case Op.WHERE:
             return _same(node, args[1:])
         case Op.MULTIPLY:
-            return ANY if ANY in args else _product(args[0] or (), args[1] or ())
+            return None if args[0] is None or args[1] is None else _product(args[0], args[1])
         case Op.DIVIDE:
-            return ANY if args[0] is ANY else _product(args[0], args[1] or (), -1.0)
+            return None if args[0] is None else _product(args[0], args[1] or (), -1.0)
         case Op.POWER:
-            return ANY if args[0] is ANY else _scaled(args[0], number(node.args[1]) or 0.0)
+            return None if args[0] is None else _scaled(args[0], number(node.args[1]) or 0.0)
         case Op.SQUARE_ROOT:
-            return ANY if args[0] is ANY else _scaled(args[0], 0.5)
+            return None if args[0] is None else _scaled(args[0], 0.5)
         case Op.NEGATE | Op.ABSOLUTE | Op.FLOOR:
             return args[0]
         case Op.ARCTANGENT:
@@ -87,11 +84,11 @@ def _node_dimension(
         case Op.LOOKUP | Op.SLOPE:
             units: tuple[str, ...] = getattr(node.args[0].data, "coordinate_units", ())
             for given, unit in zip(args[1:], units, strict=False):
-                if given is not ANY and given != parse_unit(unit).dimension:
+                if given is not None and given != parse_unit(unit).dimension:
                     raise DimensionMismatch(
                         f"'{to_text(node)}' looks up {dimension_text(given)} on a grid in {unit or '1'}"
                     )
-            return args[0] if node.op is Op.LOOKUP else ANY
+            return args[0] if node.op is Op.LOOKUP else None
         case Op.SIGN:
             return DIMENSIONLESS
         case _:

@@ -3,20 +3,50 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Mapping, Sequence
 
 from propermodel.diagnostics import ModelError
 from propermodel.expressions.core import Expr, Op, postorder
 
+
+def _negative(a: float) -> float:
+    return -a
+
+
+def _sign(a: float) -> float:
+    return float((a > 0) - (a < 0))
+
+
+def _minimum(a: float, b: float) -> float:
+    return a if a <= b else b
+
+
+def _maximum(a: float, b: float) -> float:
+    return a if a >= b else b
+
+
+def _both(a: float, b: float) -> bool:
+    return bool(a) and bool(b)
+
+
+def _either(a: float, b: float) -> bool:
+    return bool(a) or bool(b)
+
+
+def _where(condition: float, if_true: float, if_false: float) -> float:
+    return if_true if condition else if_false
+
+
 FUNCTIONS: dict[Op, Callable[..., float]] = {
-    Op.ADD: lambda a, b: a + b,
-    Op.SUBTRACT: lambda a, b: a - b,
-    Op.MULTIPLY: lambda a, b: a * b,
-    Op.DIVIDE: lambda a, b: a / b,
-    Op.POWER: lambda a, b: a**b,
-    Op.NEGATE: lambda a: -a,
-    Op.ABSOLUTE: abs,
-    Op.SIGN: lambda a: float((a > 0) - (a < 0)),
+    Op.ADD: operator.add,
+    Op.SUBTRACT: operator.sub,
+    Op.MULTIPLY: operator.mul,
+    Op.DIVIDE: operator.truediv,
+    Op.POWER: operator.pow,
+    Op.NEGATE: _negative,
+    Op.ABSOLUTE: math.fabs,
+    Op.SIGN: _sign,
     Op.SQUARE_ROOT: math.sqrt,
     Op.EXPONENTIAL: math.exp,
     Op.LOGARITHM: math.log,
@@ -25,15 +55,15 @@ FUNCTIONS: dict[Op, Callable[..., float]] = {
     Op.TANH: math.tanh,
     Op.FLOOR: math.floor,
     Op.ARCTANGENT: math.atan2,
-    Op.MINIMUM: lambda a, b: a if a <= b else b,
-    Op.MAXIMUM: lambda a, b: a if a >= b else b,
-    Op.LESS: lambda a, b: float(a < b),
-    Op.LESS_EQUAL: lambda a, b: float(a <= b),
-    Op.EQUAL: lambda a, b: float(a == b),
-    Op.AND: lambda a, b: float(bool(a) and bool(b)),
-    Op.OR: lambda a, b: float(bool(a) or bool(b)),
-    Op.NOT: lambda a: float(not a),
-    Op.WHERE: lambda c, a, b: a if c else b,
+    Op.MINIMUM: _minimum,
+    Op.MAXIMUM: _maximum,
+    Op.LESS: operator.lt,
+    Op.LESS_EQUAL: operator.le,
+    Op.EQUAL: operator.eq,
+    Op.AND: _both,
+    Op.OR: _either,
+    Op.NOT: operator.not_,
+    Op.WHERE: _where,
 }
 
 

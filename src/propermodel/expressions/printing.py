@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from propermodel.expressions.core import Expr, Op, postorder
@@ -23,7 +24,7 @@ _ATOM = 10
 
 def format_number(value: float) -> str:
     """A number with the fewest digits that give it back, integers without a decimal point."""
-    if value == int(value) and abs(value) < 1e15 if value == value and abs(value) != float("inf") else False:
+    if math.isfinite(value) and value == int(value) and abs(value) < 1e15:
         return str(int(value))
     return repr(float(value))
 

@@ -1,7 +1,7 @@
 """Units as text in Modelica's spelling (`Pa.s2/m6`, `kJ/(kg.K)`), read by pint on first use.
 
-Inside, every number is in SI base units; a unit is a factor (and for temperatures in degC an offset, which is refused
-except for plain conversion) and a dimension: exponents of the SI base quantities. Angles are dimensionless.
+Inside, every number is in SI base units; a unit is a factor and a dimension: exponents of the SI base
+quantities. A unit with an offset (degC) is refused. Angles are dimensionless.
 """
 
 from __future__ import annotations
@@ -34,11 +34,14 @@ def _registry() -> Any:
 
 
 # A letter sequence followed by a signed exponent: `s2` means s**2, `m-1` means m**-1.
+# Numbers stand only in exponents and in fractions such as 1/s, so that reading a unit computes nothing large.
+_SPELLING = re.compile(r"[A-Za-zµμΩ%°./()\-0-9]{1,64}")
 _EXPONENT = re.compile(r"([A-Za-zµΩ%]+)(-?\d+)")
+_REVOLUTION = re.compile(r"\brev(?![A-Za-z])")
 
 
 def _to_pint(text: str) -> str:
-    spelled = _EXPONENT.sub(r"\1**(\2)", text)
+    spelled = _EXPONENT.sub(r"\1**(\2)", _REVOLUTION.sub("revolution", text.replace("Ohm", "ohm")))
     return spelled.replace(".", "*") or "dimensionless"
 
 
@@ -53,7 +56,12 @@ def parse_unit(text: str) -> Unit:
         return Unit("", 1.0, DIMENSIONLESS)
     registry = _registry()
     try:
-        quantity = registry.Quantity(1.0, _to_pint(text)).to_base_units()
+        if not _SPELLING.fullmatch(text):
+            raise ValueError("not in the spelling of Modelica")
+        unit = registry.Unit(_to_pint(text))
+        quantity = registry.Quantity(1.0, unit).to_base_units()
+        if registry.Quantity(0.0, unit).to_base_units().magnitude != 0.0:
+            raise ValueError("its zero is not zero; use K")
     except Exception as error:
         raise ModelError.of(
             "unit/unknown",

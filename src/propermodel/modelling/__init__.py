@@ -1,4 +1,4 @@
-"""What an author of models imports: components, elements, signals, connections, and the model as plain data."""
+"""What an author of models imports: components, elements, signals, connections, the model as data."""
 
 from propermodel.modelling.components import Component, Parameter, Port, Table, parameter, repeat, replace
 from propermodel.modelling.connections import (
@@ -50,8 +50,8 @@ from propermodel.modelling.signals import Controller, Discrete, Input, Output, S
 from propermodel.modelling.tables import quantity, table, table_values
 
 __all__ = [
-    "Component",
     "Compliance",
+    "Component",
     "ConstantEffort",
     "ConstantFlow",
     "Controller",

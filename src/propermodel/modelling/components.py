@@ -1,7 +1,7 @@
 """How a class body becomes a component: the only module with descriptors and class hooks.
 
-The class body is the model. Names are taken from it; ports, parts and parameters are looked up by identity, so that
-nothing is named twice.
+The class body is the model. Names are taken from it; ports, parts and parameters are looked up by identity,
+so that nothing is named twice.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, Generic, Self, TypeVar, dataclass_transform, overload
 
-from propermodel.diagnostics import Involved, ModelError, Path, Source, nearest
+from propermodel.diagnostics import Involved, ModelError, Path, Source, nearest, portable_file
 from propermodel.expressions.core import Expr, ExprLike, SymbolKind, as_expr, lookup
 from propermodel.expressions.units import parse_unit
 from propermodel.modelling.domains import Domain
@@ -23,7 +23,7 @@ D = TypeVar("D", bound=Domain)
 def call_site(depth: int) -> Source:
     """The file and line of the author, `depth` frames above the caller."""
     frame = sys._getframe(depth + 1)  # pyright: ignore[reportPrivateUsage]
-    return Source(frame.f_code.co_filename, frame.f_lineno)
+    return Source(portable_file(frame.f_code.co_filename), frame.f_lineno)
 
 
 class Parameter(Declared):
@@ -73,8 +73,8 @@ def parameter(
 ) -> Any:
     """Declare a parameter in the body of a component, with its unit and where its value comes from.
 
-    Numbers are in `unit`; a range `low` to `high` is checked when values are given. `status` says how sure the value
-    is: published, derived, estimated.
+    Numbers are in `unit`; a range `low` to `high` is checked when values are given. `status` says how sure
+    the value is: published, derived, estimated.
     """
     value = None if default is None else in_unit(default, unit)
     return Parameter(unit, value, low, high, source, status, doc)
@@ -87,9 +87,8 @@ def in_unit(value: ExprLike, unit: str) -> Expr:
     return as_expr(float(value) if unit in _SI_ALREADY else float(value) * parse_unit(unit).factor)
 
 
-_SI_ALREADY = frozenset(
-    "1 m s kg N Pa W J K m/s rad rad/s N.m N/m N.s/m kg.m2 m2 m3 m3/s Hz V A Ohm F H".split()
-)
+_SI_UNITS = "1 m s kg N Pa W J K m/s rad rad/s N.m N/m N.s/m kg.m2 m2 m3 m3/s Hz V A Ohm F H"
+_SI_ALREADY = frozenset(_SI_UNITS.split())
 
 
 class Table(Declared):
@@ -131,7 +130,7 @@ class TableView:
 
 
 class Port(Generic[D]):
-    """A power port of a component. Its `effort`, `flow` and `power` are observables, positive into the component."""
+    """A power port of a component; its `effort`, `flow` and `power` are observables, positive into it."""
 
     def __init__(self, domain: type[D], *, between: tuple[Port[D], Port[D]] | None = None) -> None:
         self.domain = domain
@@ -294,7 +293,7 @@ def _names(cls: type, declarations: Mapping[str, Any]) -> dict[int, str]:
 
 
 def replace(component: Component, **changes: Any) -> Any:
-    """A variant of a component with other parameter values or other parts, `replace(truck, engine=OtherEngine())`."""
+    """A variant of a component with other values or parts, `replace(truck, engine=OtherEngine())`."""
     values, replaced = dict(component.values), dict(component.replaced)
     for name, change in changes.items():
         declared = component.declarations.get(name)

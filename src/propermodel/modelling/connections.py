@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeVar, overload
 
 from propermodel.diagnostics import ModelError, Source
@@ -28,8 +29,7 @@ class Joined:
 class Bonded:
     """A half arrow from one port or junction to another."""
 
-    tail: Port[Any] | Junction
-    head: Port[Any] | Junction
+    ends: tuple[Port[Any] | Junction, Port[Any] | Junction]  # tail, head
     source: Source
 
 
@@ -46,7 +46,7 @@ class Driven:
 class Open:
     """What an open port means when its component is the root."""
 
-    port: Port[Any]
+    ports: tuple[Port[Any]]
     opening: Opening
     source: Source
 
@@ -61,8 +61,8 @@ def connect(first: Expr, *others: Expr) -> Wiring: ...
 def connect(first: Any, *others: Any) -> Wiring:
     """Join power ports to one node, or let the first signal drive the others.
 
-    A node is a 1-junction where the domain shares a flow (mechanics), a 0-junction where it shares an effort. The
-    first signal may be any expression of outputs, inputs and observables of parts.
+    A node is a 1-junction where the domain shares a flow (mechanics), a 0-junction where it shares an effort.
+    The first signal may be any expression of outputs, inputs and observables of parts.
     """
     site = call_site(1)
     if isinstance(first, Port) and all(isinstance(other, Port) for other in others):
@@ -74,33 +74,32 @@ def connect(first: Any, *others: Any) -> Wiring:
         "model/connect",
         f"connect joins power ports, or a signal with the inputs it drives; it was given {names}",
         source=site,
-        help="name a port of the part (connect(a.flange, b.flange)), or an observable (connect(a.flange.flow, c.speed))",
+        help="name a port of the part (connect(a.flange, b.flange)), "
+        "or an observable (connect(a.flange.flow, c.speed))",
     )
 
 
 def bond(tail: Port[Any] | Junction, head: Port[Any] | Junction) -> Wiring:
     """A bond whose half arrow points from `tail` to `head`: power is positive that way."""
-    return Bonded(tail, head, call_site(1))
+    return Bonded((tail, head), call_site(1))
 
 
 def chain(parts: Sequence[Any], out: str, into: str) -> tuple[Wiring, ...]:
     """Connections of each part's port `out` with the next one's port `into`."""
     site = call_site(1)
-    return tuple(
-        Joined((getattr(a, out), getattr(b, into)), site) for a, b in zip(parts[:-1], parts[1:], strict=True)
-    )
+    return tuple(Joined((getattr(a, out), getattr(b, into)), site) for a, b in pairwise(parts))
 
 
 def free(port: Port[Any]) -> Wiring:
     """Leave this port open on purpose when its component is the root of a model."""
-    return Open(port, Opening.FREE, call_site(1))
+    return Open((port,), Opening.FREE, call_site(1))
 
 
 def prescribed_flow(port: Port[Any]) -> Wiring:
-    """The scenario gives this port's flow when its component is the root of a model: input `port.flow`."""
-    return Open(port, Opening.FLOW, call_site(1))
+    """The scenario gives this port's flow when its component is the root: input `port.flow`."""
+    return Open((port,), Opening.FLOW, call_site(1))
 
 
 def prescribed_effort(port: Port[Any]) -> Wiring:
-    """The scenario gives this port's effort when its component is the root of a model: input `port.effort`."""
-    return Open(port, Opening.EFFORT, call_site(1))
+    """The scenario gives this port's effort when its component is the root: input `port.effort`."""
+    return Open((port,), Opening.EFFORT, call_site(1))

@@ -33,8 +33,9 @@ class DomainData:
 class Domain:
     """An energy domain. Subclass it to declare one; it is never instantiated.
 
-    `shared` says what connected ports have in common, `datum` from where an effort with an arbitrary zero is counted,
-    and `is_true` that effort times flow is power (a pseudo bond graph says False and is never ranked with true bonds).
+    `shared` says what connected ports have in common, `datum` from where an effort with an arbitrary zero is
+    counted, and `is_true` that effort times flow is power (a pseudo bond graph says False and is never ranked
+    with true bonds).
     """
 
     name: ClassVar[str]
@@ -97,7 +98,7 @@ class Hydraulic(Domain):
 
 
 class Thermal(Domain):
-    """Heat as a true bond: temperature above ambient and entropy flow; connected ports have one temperature."""
+    """Heat as a true bond: temperature above ambient, entropy flow; connected ports have one temperature."""
 
     name = "thermal"
     effort, effort_unit = "temperature above ambient", "K"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, nearest
+from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, nearest
 from propermodel.expressions.core import Expr, leaves, number
 from propermodel.expressions.dimensions import DimensionMismatch, dimension_of
 from propermodel.expressions.interpret import interpret
@@ -180,7 +180,8 @@ class _Elaboration:
                     component,
                     name,
                     "model/parameter-range",
-                    f"'{key}' is {plain / factor:g} {declared.unit}, outside {declared.low:g} to {declared.high:g}",
+                    f"'{key}' is {plain / factor:g} {declared.unit}, "
+                    f"outside {declared.low:g} to {declared.high:g}",
                 )
             return
         try:
@@ -230,9 +231,10 @@ class _Elaboration:
                     )
                 return Node(ports=tuple(_place(cls, port) for port in item.ports), source=item.source)
             case Bonded():
-                return HalfArrow(tail=_place(cls, item.tail), head=_place(cls, item.head), source=item.source)
+                tail, head = (_place(cls, end) for end in item.ends)
+                return HalfArrow(tail=tail, head=head, source=item.source)
             case Open():
-                return OpenPort(port=_place(cls, item.port), opening=item.opening, source=item.source)
+                return OpenPort(port=_place(cls, item.ports[0]), opening=item.opening, source=item.source)
             case Driven():
                 targets = tuple(tracer.local(target).data.path for target in item.targets)
                 value = tracer.resolve(item.value)
@@ -265,7 +267,8 @@ def _place(cls: type[Component], item: Port[Any] | Component) -> Path:
     if isinstance(item, Component) and not isinstance(item, Junction):
         raise ModelError.of(
             "model/bond",
-            f"{cls.__name__} bonds the part '{cls.names.get(id(root), type(item).__name__)}', which is not a junction",
+            f"{cls.__name__} bonds the part '{cls.names.get(id(root), type(item).__name__)}', "
+            "which is not a junction",
             source=cls.defined_at,
             help="name one of its ports",
         )

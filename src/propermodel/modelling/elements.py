@@ -18,15 +18,16 @@ PortValues = Mapping[Port[D], ExprLike]
 class Resistance(Component):
     """A one-port R: `effort(flow)`, `flow(effort)`, or both; a linear law is inverted for the author.
 
-    `locked()` may give a condition under which the flow is held at its value near zero (a clutch that has closed).
+    `locked()` may give a condition under which the flow is held at its value near zero (a clutch that has
+    closed).
     """
 
 
 class MultiportResistance(Component):
-    """A multiport R: methods `efforts_and_flows_...` are replaced by `laws()`, one mapping for each causality.
+    """A multiport R: `laws()` gives one mapping for each causality.
 
-    Each mapping gives one variable of every port, `{self.shaft.effort: ..., self.oil.flow: ...}`, in terms of the other
-    variables (`self.shaft.flow`, `self.oil.effort`).
+    Each mapping gives one variable of every port, `{self.shaft.effort: ..., self.oil.flow: ...}`, in terms of
+    the other variables (`self.shaft.flow`, `self.oil.effort`).
     """
 
     def laws(self) -> tuple[Mapping[Expr, ExprLike], ...]:
@@ -35,14 +36,14 @@ class MultiportResistance(Component):
 
 
 class Compliance(Component):
-    """A one-port C: `effort(displacement)` and/or `displacement(effort)`; `energy(displacement)` unless linear.
+    """A one-port C: `effort(displacement)`, `displacement(effort)` or both; `energy(...)` unless linear.
 
     `start()` gives the displacement at the start, `limits()` the range it is meant for.
     """
 
 
 class Inertia(Component):
-    """A one-port I: `flow(momentum)` and/or `momentum(flow)`; `energy(momentum)` unless linear.
+    """A one-port I: `flow(momentum)`, `momentum(flow)` or both; `energy(momentum)` unless linear.
 
     `start()` gives the momentum at the start, `limits()` the range it is meant for.
     """
@@ -51,8 +52,9 @@ class Inertia(Component):
 class MultiportCompliance(Component):
     """A multiport C in coordinates of the author's choice, declared as `State`s.
 
-    `displacements()` and `efforts()` give one expression per port in the coordinates; `energy()` the stored energy.
-    Where only `energy()` is given and each coordinate is named after its port, the efforts are its gradient.
+    `displacements()` and `efforts()` give one expression per port in the coordinates; `energy()` the stored
+    energy. Where only `energy()` is given and each coordinate is named after its port, the efforts are its
+    gradient.
     """
 
 
@@ -69,11 +71,11 @@ class FlowSource(Component):
 
 
 class Transformer(Component):
-    """A two-port with e_a = m e_b, f_b = m f_a; `modulus()` gives m. Power enters at `a` and leaves at `b`."""
+    """A two-port with e_a = m e_b, f_b = m f_a; `modulus()` gives m. Power enters at `a`, leaves at `b`."""
 
 
 class Gyrator(Component):
-    """A two-port with e_a = r f_b, e_b = r f_a; `modulus()` gives r. Power enters at `a` and leaves at `b`."""
+    """A two-port with e_a = r f_b, e_b = r f_a; `modulus()` gives r. Power enters at `a`, leaves at `b`."""
 
 
 class Junction(Component):

@@ -1,7 +1,7 @@
 """The model as plain data: what a document holds, a program may build and the studio edits.
 
-A `Part` is a named use of a `Definition` with values for its parameters. Expressions inside a definition use symbols
-whose paths are relative to it, so a definition is shared by all its uses.
+A `Part` is a named use of a `Definition` with values for its parameters. Expressions inside a definition use
+symbols whose paths are relative to it, so a definition is shared by all its uses.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class ResistanceLaw:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resistive:
-    """A resistance: a law for each causality it can take. `locked` is the condition under which its flow is held."""
+    """A resistance: a law for each causality it can take; while `locked` holds, its flow is held."""
 
     laws: tuple[ResistanceLaw, ...]
     locked: Expr | None = None
@@ -92,7 +92,7 @@ class Resistive:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coordinate:
-    """One state of a storage: name, unit, start value and the range outside which the model is not meant to be."""
+    """One state: name, unit, start value and the range that it is meant to stay in."""
 
     name: str
     unit: str
@@ -103,7 +103,7 @@ class Coordinate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Storage:
-    """A compliance or inertia in coordinates c: stored quantity per port q(c) or p(c), port variable e(c) or f(c).
+    """A compliance or inertia in coordinates c: per port what it stores, q or p, and gives, e or f.
 
     `inverse` gives the coordinate from the port variable (one port only), for dependent storage.
     """
@@ -126,7 +126,10 @@ class PowerSource:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TwoPort:
-    """Transformer (e_a = m e_b, f_b = m f_a) or gyrator (e_a = r f_b, e_b = r f_a); power enters at a, leaves at b."""
+    """Transformer (e_a = m e_b, f_b = m f_a) or gyrator (e_a = r f_b, e_b = r f_a).
+
+    Power enters at a and leaves at b.
+    """
 
     kind: ElementKind
     modulus: Expr
@@ -164,7 +167,7 @@ class PortData:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterData:
-    """A parameter: unit, default (an expression of the same definition's parameters), range and provenance."""
+    """A parameter: unit, default (an expression of parameters of the same definition), range, provenance."""
 
     name: str
     unit: str
@@ -321,7 +324,7 @@ class ConstantFlow:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """The element no longer acts on the system, but is still driven by it: `driven` names what it receives."""
+    """The element no longer acts on the system but is driven by it; `driven` names what it receives."""
 
     bond: Path
     driven: Variable
@@ -341,7 +344,7 @@ BondRemoval = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
-    """A complete model: the root definition with its parameter values, the domains used, and removals made."""
+    """A complete model: the root with its parameter values, the domains used, and the removals made."""
 
     name: str
     root: Part
@@ -361,9 +364,10 @@ class Model:
 class Scenario:
     """Excitation, initial values, parameter values and time window of a run, as plain data.
 
-    `inputs` gives root inputs (and prescribed root ports, `road.flow`) by path: a number, or a table over time.
-    `tables` exchanges the numbers of tables by path. `initial` sets the displacement, momentum or coordinate of a
-    storage, or the start of a discrete state, by path. `parameters` sets parameters by path, in SI.
+    `inputs` gives root inputs (and prescribed root ports, `road.flow`) by path: a number, or a table over
+    time. `tables` exchanges the numbers of tables by path. `initial` sets the displacement, momentum or
+    coordinate of a storage, or the start of a discrete state, by path. `parameters` sets parameters by path,
+    in SI.
     """
 
     name: str = "scenario"

@@ -1,7 +1,7 @@
 """Leaves that stand for something of a component while its class body is being written.
 
-A leaf knows the object it hangs on (a part, a port, a parameter: names come later, from the class body) and the path
-below it; elaboration turns it into a symbol with a path.
+A leaf knows the object it hangs on (a part, a port, a parameter: names come later, from the class body) and
+the path below it; elaboration turns it into a symbol with a path.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ class Input(SignalPort):
 
 
 class Output(SignalPort):
-    """A signal that a component gives. A controller holds it between samples; `start` is its value before the first."""
+    """A signal that a component gives; a controller holds it between samples, at first at `start`."""
 
     __slots__ = ()
 
@@ -70,7 +70,7 @@ class SignalBlock(Component):
 
 
 class Controller(Component):
-    """A sampled controller: `step` gives the new values of discrete states and outputs, all changed at once."""
+    """A sampled controller: `step` gives the new discrete states and outputs, all changed at once."""
 
     period: Parameter = parameter("s", default=0.01, low=0.0)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any, Literal
 
 from propermodel.diagnostics import ModelError
@@ -31,11 +33,11 @@ def table_values(grids: Sequence[Iterable[float]], values: Iterable[float]) -> T
     expected = 1
     for grid in data.grids:
         expected *= len(grid)
-        if len(grid) < 2 or any(not b > a for a, b in zip(grid[:-1], grid[1:], strict=True)):
+        if len(grid) < 2 or any(not b > a for a, b in pairwise(grid)):
             raise ModelError.of(
                 "model/table-grid", "the grid of a table must have two or more strictly growing points"
             )
-    if len(data.values) != expected or any(v != v or abs(v) == float("inf") for v in data.values):
+    if len(data.values) != expected or not all(map(math.isfinite, data.values)):
         raise ModelError.of(
             "model/table-values",
             f"a table on this grid needs {expected} finite values, {len(data.values)} were given",
@@ -52,14 +54,13 @@ def table(
     extrapolation: Literal["hold", "linear"] = "hold",
     source: str = "",
 ) -> Any:
-    """Declare a table in a class body; in a law `self.name(x)` or `self.name(x, y)` is its linear interpolation.
+    """Declare a table in a class body; in a law `self.name(x)` or `self.name(x, y)` interpolates it.
 
     Args:
-        unit: Unit of the values; numbers are converted to SI.
-        coordinate_units: Unit of each coordinate.
-        grids: One or two strictly growing grids.
-        values: One value per grid point, the last coordinate varying fastest.
-        extrapolation: What it answers outside the grid: the nearest value, or the continued end cell. A run counts
+        unit: Unit of the values; numbers are converted to SI. coordinate_units: Unit of each coordinate.
+        grids: One or two strictly growing grids. values: One value per grid point, the last coordinate
+        varying fastest. extrapolation: What it answers outside the grid: the nearest value, or the continued
+        end cell. A run counts
             the time spent outside and reports it.
         source: Where the numbers come from.
     """

@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
-from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source
+from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, portable_file
 from propermodel.expressions.core import (
     ZERO,
     Expr,
@@ -75,7 +75,7 @@ class Tracer:
         """The file and line of a law method."""
         function = getattr(self.cls, method, None)
         code = getattr(function, "__code__", None)
-        return Source(code.co_filename, code.co_firstlineno) if code else self.cls.defined_at
+        return Source(portable_file(code.co_filename), code.co_firstlineno) if code else self.cls.defined_at
 
     def resolve(self, value: ExprLike) -> Expr:
         """The expression with symbols relative to the class in place of references."""
@@ -93,7 +93,8 @@ class Tracer:
         if name is None:
             raise ModelError.of(
                 "model/foreign-reference",
-                f"{self.cls.__name__} mentions '{data.path or leaf!r}' of something that is not one of its direct parts",
+                f"{self.cls.__name__} mentions '{data.path or leaf!r}' of something "
+                "that is not one of its direct parts",
                 source=self.cls.defined_at,
                 help="refer to ports, parameters and parts declared in the same class body",
             )
@@ -107,11 +108,13 @@ class Tracer:
             raise
         except Exception as error:
             trace = inspect.trace()
-            line = next((f for f in reversed(trace) if f.filename == self.place(method).file), None)
+            line = next(
+                (f for f in reversed(trace) if portable_file(f.filename) == self.place(method).file), None
+            )
             raise ModelError.of(
                 "model/law",
                 f"the law {self.cls.__name__}.{method} cannot be read: {type(error).__name__}: {error}",
-                source=Source(line.filename, line.lineno) if line else self.place(method),
+                source=Source(portable_file(line.filename), line.lineno) if line else self.place(method),
                 help="a law gives an expression of its argument, parameters, inputs and states",
             ) from error
 
@@ -142,13 +145,14 @@ class Tracer:
             expected = parse_unit(unit).dimension
             if found is None or found == expected:
                 return
-            problem = f"it has the dimension {dimension_text(found)} where {unit or '1'} ({dimension_text(expected)}) is due"
+            due = f"{unit or '1'} ({dimension_text(expected)})"
+            problem = f"it has the dimension {dimension_text(found)} where {due} is due"
         self.faults.add(
             Diagnostic(
                 "model/dimension",
                 f"the law {self.cls.__name__}.{method} is not dimensionally consistent: {problem}",
                 source=self.place(method),
-                help="check the units of the parameters; write a number with a unit as quantity(1e-6, 'm3/s')",
+                help="check the units of the parameters; write a number with its unit: quantity(1e-6, 'm3/s')",
             )
         )
 
@@ -161,16 +165,17 @@ class Tracer:
         if len(self.element_ports) != 1:
             raise ModelError.of(
                 "model/ports",
-                f"{self.cls.__name__} is a one-port element but has the ports {', '.join(self.element_ports) or 'none'}",
+                f"{self.cls.__name__} is a one-port element but has the ports "
+                f"{', '.join(self.element_ports) or 'none'}",
                 source=self.cls.defined_at,
-                help="give it one port; for an element between two flanges write Port(domain, between=(a, b))",
+                help="give it one port; an element between two flanges has Port(domain, between=(a, b))",
             )
         name = self.element_ports[0]
         return name, self.ports[name]
 
     def missing(self, what: str) -> ModelError:
         """The error for a law that is not there."""
-        return ModelError.of(  # pyright: ignore[reportReturnType]
+        return ModelError.of(
             "model/law-missing",
             f"{self.cls.__name__} has no {what}",
             source=self.cls.defined_at,
@@ -218,9 +223,9 @@ def _behaviour(tracer: Tracer, cls: type[Component]) -> Behaviour:
     if issubclass(cls, Inertia):
         return _one_port_storage(tracer, ElementKind.INERTIA, "momentum", Variable.FLOW)
     if issubclass(cls, MultiportCompliance):
-        return _multiport_storage(tracer, ElementKind.COMPLIANCE, "displacements", "efforts", Variable.EFFORT)
+        return _multiport_storage(tracer, ElementKind.COMPLIANCE, "displacements", "efforts")
     if issubclass(cls, MultiportInertia):
-        return _multiport_storage(tracer, ElementKind.INERTIA, "momenta", "flows", Variable.FLOW)
+        return _multiport_storage(tracer, ElementKind.INERTIA, "momenta", "flows")
     if issubclass(cls, EffortSource):
         _, port = tracer.port()
         return PowerSource(
@@ -328,9 +333,7 @@ def _states(tracer: Tracer) -> tuple[Coordinate, ...]:
     )
 
 
-def _multiport_storage(
-    tracer: Tracer, kind: ElementKind, stored: str, outputs: str, output: Variable
-) -> Storage:
+def _multiport_storage(tracer: Tracer, kind: ElementKind, stored: str, outputs: str) -> Storage:
     coordinates = _states(tracer)
     states = [symbol(SymbolKind.STATE, Path((c.name,)), c.unit) for c in coordinates]
     if len(coordinates) != len(tracer.element_ports):

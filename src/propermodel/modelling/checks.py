@@ -1,0 +1,359 @@
+"""Whether the names inside a model fit together: a class body guarantees it, plain data has to prove it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from propermodel.diagnostics import Diagnostic, Path, Source, nearest
+from propermodel.expressions.core import Expr, SymbolKind, leaves, postorder
+from propermodel.modelling.domains import DomainData
+from propermodel.modelling.model import (
+    Behaviour,
+    Block,
+    Definition,
+    Direction,
+    HalfArrow,
+    JunctionKind,
+    Model,
+    Node,
+    OpenPort,
+    Part,
+    PowerSource,
+    Resistive,
+    Sampled,
+    SignalLink,
+    Storage,
+    TwoPort,
+    Variable,
+)
+
+CODE = "model/inconsistent"
+
+
+def faults_of(model: Model) -> list[Diagnostic]:
+    """Every name in the model that does not fit, definition by definition."""
+    domains = {domain.name: domain for domain in model.domains}
+    found: list[Diagnostic] = []
+    if len(domains) < len(model.domains):
+        found.append(Diagnostic(CODE, "two domains have one name", "domains"))
+    for definition in definitions_of(model.root):
+        found.extend(_Check(definition, domains).run())
+    root = model.root
+    check = _Check(Definition(type_name="the model", doc="", parts=(root,)), domains)
+    check.values(root)
+    return [*found, *check.found]
+
+
+def definitions_of(root: Part) -> list[Definition]:
+    """Every definition below a part once, in order of first use."""
+    found: dict[int, Definition] = {}
+    pending = [root.definition]
+    while pending:
+        definition = pending.pop()
+        if id(definition) not in found:
+            found[id(definition)] = definition
+            pending.extend(part.definition for part in reversed(definition.parts))
+    return list(found.values())
+
+
+class _Check:
+    """The checks of one definition."""
+
+    def __init__(self, definition: Definition, domains: dict[str, DomainData]) -> None:
+        self.definition = definition
+        self.domains = domains
+        self.found: list[Diagnostic] = []
+        self.ports = {port.name: port for port in definition.ports}
+        self.parts = {part.name: part for part in definition.parts}
+
+    def run(self) -> list[Diagnostic]:
+        """Every fault of the definition."""
+        d = self.definition
+        groups: tuple[Iterable[str], ...] = (
+            (p.name for p in d.ports),
+            (p.name for p in d.parameters),
+            (t.name for t in d.tables),
+            (s.name for s in d.signals),
+            (p.name for p in d.parts),
+        )
+        for name, count in Counter(name for group in groups for name in group).items():
+            if count > 1:
+                self.fault(f"the name '{name}' is given {count} times")
+        self.check_ports()
+        if self.found:
+            return self.found
+        for parameter in d.parameters:
+            if parameter.default is not None:
+                self.expr(parameter.default, f"the default of '{parameter.name}'", only_parameters=True)
+        for spec in d.tables:
+            if len(spec.coordinate_units) != len(spec.values.grids) or len(spec.values.grids) not in (1, 2):
+                self.fault(f"the table '{spec.name}' needs one or two grids, each with a unit")
+            if spec.extrapolation not in ("hold", "linear"):
+                self.fault(f"the table '{spec.name}' has the unknown extrapolation '{spec.extrapolation}'")
+        for part in d.parts:
+            self.values(part)
+        self.behaviour(d.behaviour)
+        for connection in d.connections:
+            self.connection(connection)
+        return self.found
+
+    def fault(self, message: str, help: str = "", source: Source | None = None) -> None:
+        """Remember a fault."""
+        d = self.definition
+        self.found.append(Diagnostic(CODE, message, d.type_name, source or d.source, help=help))
+
+    def check_ports(self) -> None:
+        """Domains exist, and differences are between two plain ports of the same domain."""
+        for port in self.definition.ports:
+            if port.domain not in self.domains:
+                known = nearest(port.domain, self.domains)
+                self.fault(f"the domain '{port.domain}' of port '{port.name}' is unknown", known)
+            for outer in port.between or ():
+                other = self.ports.get(outer)
+                if other is None or other.between is not None or other.domain != port.domain:
+                    self.fault(
+                        f"port '{port.name}' is between '{outer}', which is no plain port of its domain"
+                    )
+            if port.between and port.between[0] == port.between[1]:
+                self.fault(f"port '{port.name}' is between one port and itself")
+            if port.between and (
+                self.definition.behaviour is None or isinstance(self.definition.behaviour, JunctionKind)
+            ):
+                self.fault(f"port '{port.name}' is between two others, but is not the port of an element")
+
+    # -- expressions -------------------------------------------------------------------------------
+
+    def expr(self, expr: Expr, what: str, *, only_parameters: bool = False, condition: bool = False) -> None:
+        """Every symbol of an expression exists."""
+        if expr.is_condition is not condition:
+            self.fault(f"{what} must be {'a condition' if condition else 'a number'}")
+        if _is_table(expr):
+            self.fault(f"{what} is a table where a number is due")
+        for leaf in leaves(expr):
+            kind, path = leaf.data.kind, leaf.data.path
+            if only_parameters and kind is not SymbolKind.PARAMETER:
+                self.fault(f"{what} mentions '{path}', which is not a parameter")
+            elif kind is not SymbolKind.TIME and leaf.data.unit not in self.units(kind, path):
+                self.fault(
+                    f"{what} mentions the {kind} '{path}' ({leaf.data.unit or '1'}), which does not exist"
+                )
+        # The arity of a look-up is that of its table.
+        for node in _lookups(expr):
+            axes = self.axes(node.args[0].data.path)
+            if axes is not None and axes != len(node.args) - 1:
+                self.fault(
+                    f"{what} looks up '{node.args[0].data.path}' with {len(node.args) - 1} coordinates"
+                )
+
+    def owner(self, path: Path) -> Definition | None:
+        """The definition that declares the last name of a path."""
+        definition = self.definition
+        for name in path.parent:
+            part = next((p for p in definition.parts if p.name == name), None)
+            if part is None:
+                return None
+            definition = part.definition
+        return definition
+
+    def axes(self, path: Path) -> int | None:
+        """The number of coordinates of a table."""
+        owner = self.owner(path)
+        specs = owner.tables if owner else ()
+        return next((len(spec.values.grids) for spec in specs if spec.name == path.name), None)
+
+    def units(self, kind: SymbolKind, path: Path) -> set[str]:
+        """The units of what a symbol names; none when there is no such thing."""
+        if kind.value in _PORT_VARIABLES:
+            return self.port_units(kind, path)
+        owner = self.owner(path)
+        if owner is None:
+            return set()
+        behaviour = owner.behaviour
+        match kind:
+            case SymbolKind.PARAMETER:
+                known = {p.name: p.unit for p in owner.parameters}
+            case SymbolKind.TABLE:
+                known = {t.name: t.unit for t in owner.tables}
+            case SymbolKind.SIGNAL:
+                known = {s.name: s.unit for s in owner.signals}
+            case SymbolKind.STATE:
+                coordinates = behaviour.coordinates if isinstance(behaviour, Storage) else ()
+                states = behaviour.states if isinstance(behaviour, Block) else coordinates
+                known = {c.name: c.unit for c in states}
+            case SymbolKind.DISCRETE:
+                known = {
+                    n: unit for n, unit, _ in (behaviour.starts if isinstance(behaviour, Sampled) else ())
+                }
+            case _:
+                known = {}
+        return {known[path.name]} if path.name in known else set()
+
+    def port_units(self, kind: SymbolKind, path: Path) -> set[str]:
+        """The unit of a port's variable."""
+        owner = self.owner(path.parent)
+        port = next((p for p in owner.ports if p.name == path.parent.name), None) if owner else None
+        domain = self.domains.get(port.domain) if port else None
+        if domain is None or path.name != kind.value:
+            return set()
+        return {
+            SymbolKind.EFFORT: {domain.effort_unit},
+            SymbolKind.FLOW: {domain.flow_unit},
+            SymbolKind.POWER: {"W" if domain.is_true else ""},
+            SymbolKind.DISPLACEMENT: {domain.displacement_unit},
+            SymbolKind.MOMENTUM: {domain.momentum_unit},
+        }[kind]
+
+    # -- parts, behaviour, connections -------------------------------------------------------------
+
+    def values(self, part: Part) -> None:
+        """The values handed to a part belong to its parameters."""
+        parameters = {p.name for p in part.definition.parameters}
+        specs = {t.name: t for t in part.definition.tables}
+        self.names((name for name, _ in part.values), parameters, f"the values of '{part.name}'")
+        self.names((name for name, _ in part.tables), specs, f"the tables of '{part.name}'")
+        for name, value in part.values:
+            self.expr(value, f"the value of '{part.name}.{name}'", only_parameters=True)
+        for name, table in part.tables:
+            if name in specs and len(table.grids) != len(specs[name].values.grids):
+                self.fault(
+                    f"the table '{part.name}.{name}' has another number of grids than it is declared with"
+                )
+
+    def names(self, given: Iterable[str], known: Iterable[str], what: str, *, all_of: bool = False) -> None:
+        """Names are known and given once; with `all_of`, each is given."""
+        names, options = list(given), list(known)
+        for name, count in Counter(names).items():
+            if name not in options:
+                self.fault(f"{what}: there is no '{name}'", nearest(name, options))
+            elif count > 1:
+                self.fault(f"{what}: '{name}' is given {count} times")
+        for name in options if all_of else ():
+            if name not in names:
+                self.fault(f"{what}: '{name}' is missing")
+
+    def behaviour(self, behaviour: Behaviour) -> None:
+        """The laws name the ports and states of the element."""
+        outer = {name for port in self.definition.ports for name in port.between or ()}
+        ports = [name for name in self.ports if name not in outer]
+        match behaviour:
+            case Resistive():
+                self.resistive(behaviour, ports)
+            case Storage():
+                self.storage(behaviour, ports)
+            case PowerSource():
+                self.expr(behaviour.value, "the value of the source")
+                if len(ports) != 1:
+                    self.fault(f"a source has one port, this has {len(ports)}")
+            case TwoPort():
+                self.expr(behaviour.modulus, "the modulus")
+                if ports != ["a", "b"]:
+                    self.fault("a transformer or gyrator has the ports a and b")
+            case Block() | Sampled():
+                self.signals(behaviour)
+            case JunctionKind() | None:
+                pass
+
+    def resistive(self, behaviour: Resistive, ports: list[str]) -> None:
+        """Every law gives one variable of each port."""
+        if not behaviour.laws or not ports:
+            self.fault("a resistance needs a port and a law")
+        for number, law in enumerate(behaviour.laws):
+            self.names((r.port for r in law.results), ports, f"law {number + 1}", all_of=True)
+            for result in law.results:
+                self.expr(result.value, f"the {result.variable} of port '{result.port}'")
+        if behaviour.locked is not None:
+            self.expr(behaviour.locked, "the condition for being locked", condition=True)
+            if len(ports) != 1:
+                self.fault("only a resistance with one port can be locked")
+
+    def storage(self, behaviour: Storage, ports: list[str]) -> None:
+        """A storage has as many coordinates as ports, and laws for each port."""
+        names = [c.name for c in behaviour.coordinates]
+        self.names(names, dict.fromkeys(names), "the coordinates")
+        if len(names) != len(ports) or not ports:
+            self.fault(f"a storage has one coordinate for each port, this has {len(names)} for {len(ports)}")
+        self.names((port for port, _ in behaviour.stored), ports, "the stored quantities", all_of=True)
+        self.names((port for port, _ in behaviour.outputs), ports, "the outputs", all_of=True)
+        for coordinate in behaviour.coordinates:
+            for what in ("start", "low", "high"):
+                self.expr(getattr(coordinate, what), f"the {what} of '{coordinate.name}'")
+        for port, value in (*behaviour.stored, *behaviour.outputs):
+            self.expr(value, f"the law of port '{port}'")
+        self.expr(behaviour.energy, "the energy")
+        if behaviour.inverse is not None:
+            self.expr(behaviour.inverse, "the inverse law")
+            if len(ports) != 1:
+                self.fault("only a storage with one port has an inverse law")
+
+    def signals(self, behaviour: Block | Sampled) -> None:
+        """A block or controller gives its outputs and states."""
+        outputs = [s.name for s in self.definition.signals if s.direction is Direction.OUTPUT]
+        if isinstance(behaviour, Block):
+            states = [c.name for c in behaviour.states]
+            self.names(states, dict.fromkeys(states), "the states")
+            self.names((n for n, _ in behaviour.outputs), outputs, "the outputs")
+            self.names((n for n, _ in behaviour.derivatives), states, "the derivatives")
+            values = [*behaviour.outputs, *behaviour.derivatives]
+            values.extend((c.name, e) for c in behaviour.states for e in (c.start, c.low, c.high))
+        else:
+            starts = [name for name, _, _ in behaviour.starts]
+            self.names(starts, dict.fromkeys(starts), "the starts")
+            self.names((n for n, _ in behaviour.updates), starts, "the updates")
+            values = [("period", behaviour.period), *behaviour.updates]
+            values.extend((name, start) for name, _, start in behaviour.starts)
+        for name, value in values:
+            self.expr(value, f"the value of '{name}'")
+
+    def connection(self, connection: Node | HalfArrow | SignalLink | OpenPort) -> None:
+        """A connection names ports of the definition and of its direct parts."""
+        match connection:
+            case Node():
+                domains = {self.port_domain(path, connection.source) for path in connection.ports} - {None}
+                if not connection.ports:
+                    self.fault("a connection joins nothing", source=connection.source)
+                if len(domains) > 1:
+                    joined = ", ".join(sorted(str(d) for d in domains))
+                    self.fault(
+                        f"a connection joins ports of different domains ({joined})", source=connection.source
+                    )
+            case HalfArrow():
+                for path in (connection.tail, connection.head):
+                    part = self.parts.get(path.name) if len(path) == 1 else None
+                    if part is None or not isinstance(part.definition.behaviour, JunctionKind):
+                        self.port_domain(path, connection.source)
+            case SignalLink():
+                self.expr(connection.value, "a signal")
+                for path in connection.targets:
+                    if not self.units(SymbolKind.SIGNAL, path) or len(path) > 2:
+                        self.fault(f"there is no signal '{path}' to drive", source=connection.source)
+            case OpenPort():
+                if len(connection.port) != 1 or connection.port.name not in self.ports:
+                    self.fault(
+                        f"there is no port '{connection.port}' to leave open", source=connection.source
+                    )
+
+    def port_domain(self, path: Path, source: Source) -> str | None:
+        """The domain of a port of the definition or of a direct part."""
+        ports = self.ports
+        if len(path) == 2 and path[0] in self.parts:
+            ports = {port.name: port for port in self.parts[path[0]].definition.ports}
+        elif len(path) != 1:
+            ports = {}
+        if path.name not in ports:
+            self.fault(f"there is no port '{path}' to connect", nearest(path.name, ports), source)
+            return None
+        return ports[path.name].domain
+
+
+_PORT_VARIABLES = frozenset(
+    {*(v.value for v in Variable), SymbolKind.POWER, SymbolKind.DISPLACEMENT, SymbolKind.MOMENTUM}
+)
+
+
+def _is_table(expr: Expr) -> bool:
+    return not expr.args and getattr(expr.data, "kind", None) is SymbolKind.TABLE
+
+
+def _lookups(expr: Expr) -> list[Expr]:
+    return [node for node in postorder([expr]) if node.args and _is_table(node.args[0])]

@@ -1,0 +1,350 @@
+"""How values become plain JSON data and back, with the place in the document in every complaint.
+
+A `Codec` is a pair of functions; a document format is a declaration of codecs. The names in a file are those
+written in the declaration, so a file format changes only where somebody changes it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Generic, Protocol, TypeVar, cast
+
+from propermodel.diagnostics import DocumentError, Path, ProperModelError, Source, nearest, portable_file
+from propermodel.expressions.core import Expr
+from propermodel.expressions.units import parse_unit
+
+Json = Any
+T = TypeVar("T")
+E = TypeVar("E", bound=StrEnum)
+
+LONGEST_NAME = 1000
+
+
+class References(Protocol):
+    """What the parts of a document share: expressions and definitions are stored once and referred to."""
+
+    def write_expr(self, expr: Expr) -> Json: ...
+    def read_expr(self, data: Json, place: Place) -> Expr: ...
+    def write_definition(self, definition: Any) -> Json: ...
+    def read_definition(self, data: Json, place: Place) -> Any: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where in a document we are, `definitions[3].ports[0].domain`, and what the document shares."""
+
+    text: str
+    references: References
+
+    def key(self, name: str) -> Place:
+        """The entry of this name."""
+        return Place(f"{self.text}.{name}" if self.text else name, self.references)
+
+    def item(self, index: int) -> Place:
+        """The item at this index."""
+        return Place(f"{self.text}[{index}]", self.references)
+
+    def fault(self, message: str, help: str = "") -> DocumentError:
+        """The error for what stands here."""
+        return malformed(self.text, message, help)
+
+
+def malformed(where: str, message: str, help: str = "") -> DocumentError:
+    """The error for a document with unreadable content."""
+    return DocumentError.of("document/content", message, where=where or "the document", help=help)
+
+
+def described(data: Json) -> str:
+    """What a piece of JSON is, for messages."""
+    match data:
+        case None:
+            return "nothing"
+        case bool():
+            return "true" if data else "false"
+        case int() | float():
+            return f"the number {data!r:.40}"
+        case str():
+            return f"the text {data!r:.60}"
+        case dict():
+            return "an object"
+        case list():
+            return "a list"
+        case _:
+            return f"a {type(data).__name__}"
+
+
+def as_list(data: Json, place: Place) -> list[Json]:
+    """The data, if it is a list."""
+    if not isinstance(data, list):
+        raise place.fault(f"expected a list, found {described(data)}")
+    return cast("list[Json]", data)
+
+
+def as_object(data: Json, place: Place) -> dict[str, Json]:
+    """The data, if it is an object with text keys."""
+    if not isinstance(data, dict):
+        raise place.fault(f"expected an object, found {described(data)}")
+    entries = cast("dict[Any, Json]", data)
+    for key in entries:
+        if not isinstance(key, str):
+            raise place.fault(f"expected text for the name of an entry, found {described(key)}")
+    return entries
+
+
+def as_index(data: Json, length: int, place: Place) -> int:
+    """The data, if it is an index below `length`."""
+    if isinstance(data, bool) or not isinstance(data, int):
+        raise place.fault(f"expected the number of an earlier entry, found {described(data)}")
+    if not 0 <= data < length:
+        raise place.fault(
+            f"refers to entry {described(data).removeprefix('the number ')}, which is not before it"
+        )
+    return data
+
+
+@dataclass(frozen=True, slots=True)
+class Codec(Generic[T]):
+    """How one kind of value is written and read."""
+
+    write: Callable[[T, References], Json]
+    read: Callable[[Json, Place], T]
+
+
+# -- leaves ---------------------------------------------------------------------------------------------
+
+
+def _write_text(value: str, _: References) -> Json:
+    return value
+
+
+def _read_text(data: Json, place: Place) -> str:
+    if not isinstance(data, str):
+        raise place.fault(f"expected text, found {described(data)}")
+    return data
+
+
+def _read_unit(data: Json, place: Place) -> str:
+    text = _read_text(data, place)
+    try:
+        parse_unit(text)
+    except ProperModelError as error:
+        raise place.fault(error.diagnostics[0].message, error.diagnostics[0].help) from None
+    return text
+
+
+def check_name(text: str, place: Callable[[str], ProperModelError]) -> str:
+    """The text, if it can be one name of a path."""
+    if not text or "." in text or len(text) > LONGEST_NAME:
+        raise place(f"'{text:.60}' cannot be a name: names are not empty and have no dots")
+    return text
+
+
+def _write_name(value: str, _: References) -> Json:
+    return check_name(value, lambda message: malformed("the model", message))
+
+
+def _read_name(data: Json, place: Place) -> str:
+    return check_name(_read_text(data, place), place.fault)
+
+
+def path_text(path: Path) -> str:
+    """A path with dots; its names must have none."""
+    for name in path:
+        check_name(name, lambda message: malformed(str(path), message))
+    return str(path)
+
+
+def _read_path(data: Json, place: Place) -> Path:
+    text = _read_text(data, place)
+    path = Path(text.split(".")) if text else Path()
+    for name in path:
+        check_name(name, place.fault)
+    return path
+
+
+def number_data(value: float) -> Json:
+    """A number as JSON: exact, with infinities as text."""
+    if math.isnan(value):
+        raise malformed("the model", "a value is not a number (nan) and cannot be written")
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    return float(value)
+
+
+def read_number(data: Json, place: Place) -> float:
+    """A number from JSON."""
+    if data in ("inf", "-inf"):
+        return float(data)
+    if isinstance(data, bool) or not isinstance(data, (int, float)):
+        raise place.fault(f"expected a number, found {described(data)}")
+    try:
+        value = float(data)
+    except OverflowError:
+        raise place.fault(f"the number {data!r:.40} is too large") from None
+    if not math.isfinite(value):
+        raise place.fault(
+            "expected a number, found one that is not finite", 'write infinities as "inf" or "-inf"'
+        )
+    return value
+
+
+def _read_finite(data: Json, place: Place) -> float:
+    value = read_number(data, place)
+    if not math.isfinite(value):
+        raise place.fault("expected a finite number")
+    return value
+
+
+def _read_bool(data: Json, place: Place) -> bool:
+    if not isinstance(data, bool):
+        raise place.fault(f"expected true or false, found {described(data)}")
+    return data
+
+
+def _read_source(data: Json, place: Place) -> Source:
+    match data:
+        case [str() as file, int() as line] if not isinstance(line, bool) and line >= 0:
+            return Source(file, line)
+        case _:
+            raise place.fault("expected a file name and a line number", 'for example ["models/rig.py", 41]')
+
+
+TEXT: Codec[str] = Codec(_write_text, _read_text)
+UNIT: Codec[str] = Codec(_write_text, _read_unit)
+NAME: Codec[str] = Codec(_write_name, _read_name)
+PATH: Codec[Path] = Codec(lambda path, _: path_text(path), _read_path)
+NUMBER: Codec[float] = Codec(lambda value, _: number_data(value), read_number)
+FINITE: Codec[float] = Codec(lambda value, _: number_data(value), _read_finite)
+BOOLEAN: Codec[bool] = Codec(lambda value, _: value, _read_bool)
+SOURCE: Codec[Source] = Codec(lambda source, _: [portable_file(source.file), source.line], _read_source)
+EXPR: Codec[Expr] = Codec(
+    lambda expr, references: references.write_expr(expr),
+    lambda data, place: place.references.read_expr(data, place),
+)
+
+
+# -- combinations ---------------------------------------------------------------------------------------
+
+
+def choice(members: Iterable[E]) -> Codec[E]:
+    """One of some members of an enumeration, by value."""
+    known = {member.value: member for member in members}
+
+    def read(data: Json, place: Place) -> E:
+        text = _read_text(data, place)
+        if text not in known:
+            options = ", ".join(known)
+            raise place.fault(f"expected one of {options}; found {described(data)}", nearest(text, known))
+        return known[text]
+
+    return Codec(lambda value, _: value.value, read)
+
+
+def optional(inner: Codec[T]) -> Codec[T | None]:
+    """A value or nothing."""
+    return Codec(
+        lambda value, references: None if value is None else inner.write(value, references),
+        lambda data, place: None if data is None else inner.read(data, place),
+    )
+
+
+def many(inner: Codec[T]) -> Codec[tuple[T, ...]]:
+    """Any number of values of one kind."""
+    return Codec(
+        lambda values, references: [inner.write(value, references) for value in values],
+        lambda data, place: tuple(
+            inner.read(item, place.item(i)) for i, item in enumerate(as_list(data, place))
+        ),
+    )
+
+
+def together(*inner: Codec[Any]) -> Codec[Any]:
+    """A fixed number of values, as a tuple."""
+
+    def read(data: Json, place: Place) -> tuple[Any, ...]:
+        items = as_list(data, place)
+        if len(items) != len(inner):
+            raise place.fault(f"expected a list of {len(inner)}, found one of {len(items)}")
+        return tuple(
+            c.read(item, place.item(i)) for i, (c, item) in enumerate(zip(inner, items, strict=True))
+        )
+
+    return Codec(
+        lambda values, references: [
+            c.write(value, references) for c, value in zip(inner, values, strict=True)
+        ],
+        read,
+    )
+
+
+def by_path(inner: Codec[T]) -> Codec[Mapping[Path, T]]:
+    """Values by path, as an object."""
+    return Codec(
+        lambda values, references: {
+            path_text(path): inner.write(v, references) for path, v in values.items()
+        },
+        lambda data, place: {
+            _read_path(key, place): inner.read(value, place.key(key))
+            for key, value in as_object(data, place).items()
+        },
+    )
+
+
+def record(cls: type[T], **entries: Codec[Any]) -> Codec[T]:
+    """A dataclass as an object; fields that have their default value are left out."""
+    defaults = {f.name: _default(f) for f in dataclasses.fields(cast("Any", cls))}
+
+    def write(value: T, references: References) -> Json:
+        found: dict[str, Json] = {}
+        for name, codec in entries.items():
+            item = getattr(value, name)
+            if defaults[name] is dataclasses.MISSING or item != defaults[name]:
+                found[name] = codec.write(item, references)
+        return found
+
+    def read(data: Json, place: Place) -> T:
+        given = as_object(data, place)
+        for name in given:
+            if name not in entries:
+                raise place.fault(f"unknown entry '{name:.60}'", nearest(name, entries))
+        values: dict[str, Any] = {}
+        for name, codec in entries.items():
+            if name in given:
+                values[name] = codec.read(given[name], place.key(name))
+            elif defaults[name] is dataclasses.MISSING:
+                raise place.fault(f"the entry '{name}' is missing")
+        return cls(**values)
+
+    return Codec(write, read)
+
+
+def _default(field: dataclasses.Field[Any]) -> Any:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return field.default
+
+
+def tagged(**alternatives: tuple[type, Codec[Any]]) -> Codec[Any]:
+    """One of several types, told apart by the entry `type`."""
+
+    def write(value: Any, references: References) -> Json:
+        for tag, (cls, codec) in alternatives.items():
+            if isinstance(value, cls):
+                return {"type": tag, **codec.write(value, references)}
+        raise TypeError(f"a document cannot hold a {type(value).__name__}")
+
+    def read(data: Json, place: Place) -> Any:
+        given = dict(as_object(data, place))
+        tag = _read_text(given.pop("type", None), place.key("type"))
+        if tag not in alternatives:
+            options = ", ".join(alternatives)
+            raise place.key("type").fault(
+                f"expected one of {options}; found '{tag:.60}'", nearest(tag, alternatives)
+            )
+        return alternatives[tag][1].read(given, place)
+
+    return Codec(write, read)
