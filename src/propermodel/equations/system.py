@@ -8,8 +8,8 @@ from enum import StrEnum
 
 from propermodel.causality.causal import CausalGraph
 from propermodel.diagnostics import NO_SOURCE, Path, Source
+from propermodel.equations.printing import equations_text
 from propermodel.expressions.core import Expr
-from propermodel.expressions.printing import to_text
 
 
 class StateKind(StrEnum):
@@ -98,13 +98,4 @@ class EquationSystem:
     updates: tuple[tuple[Path, tuple[tuple[Expr, Expr], ...]], ...]  # controller: held value, new value
 
     def __str__(self) -> str:
-        names: dict[Expr, str] = {}
-        lines = [f"equations of {self.causal.graph.model.name}: {len(self.states)} states"]
-        for block in self.solved:
-            lines.append(f"  solved exactly: {', '.join(str(p) for p in block.paths)} ({block.kinds[0]})")
-        for block in self.blocks:
-            lines.append(f"  solved by Newton's method: {', '.join(str(p) for p in block.paths)}")
-            lines.extend(f"    0 = {to_text(residual, names)}" for residual in block.residuals)
-        for state in self.states:
-            lines.append(f"  d/dt {state.path} = {to_text(state.derivative, names)}")
-        return "\n".join(lines)
+        return equations_text(self)

@@ -1,0 +1,244 @@
+"""From a ranking to removals: what goes, what replaces it, and why; or why it must stay."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from propermodel.analysis.activity import ActivityRanking, ActivityRow
+from propermodel.compiler import CompiledModel, compile_model
+from propermodel.diagnostics import Path, ProperModelError, ReductionError
+from propermodel.expressions.core import Expr
+from propermodel.modelling.model import Removal
+from propermodel.reduction.evidence import RunEvidence
+from propermodel.reduction.freezing import signals_to_freeze
+from propermodel.reduction.groups import Group, find_groups
+from propermodel.reduction.single import Proposal, propose
+from propermodel.simulation.trajectory import Trajectory, observable_path
+
+
+class Verdict(StrEnum):
+    """What becomes of a row."""
+
+    KEPT = "kept"
+    REMOVED = "removed"
+    REFUSED = "refused"  # below the threshold, but it has to stay
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """The verdict on one row, with the removals made for it and the reason in words and numbers."""
+
+    row: ActivityRow
+    verdict: Verdict
+    removals: tuple[Removal, ...]
+    meaning: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reduction:
+    """The removals of a reduction with their evidence."""
+
+    threshold: float
+    tolerance: float  # of the local tests
+    decisions: tuple[Decision, ...]
+    groups: tuple[Group, ...]
+    frozen: tuple[Removal, ...]
+    removals: tuple[Removal, ...]
+    kept_by_threshold: int
+    protected: tuple[Path, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def kept(self) -> tuple[Decision, ...]:
+        """The rows that stay, for whatever reason."""
+        return tuple(d for d in self.decisions if d.verdict is not Verdict.REMOVED)
+
+    @property
+    def removed(self) -> tuple[Decision, ...]:
+        """The rows that go."""
+        return tuple(d for d in self.decisions if d.verdict is Verdict.REMOVED)
+
+    @property
+    def kept_activity(self) -> float:
+        """The share of activity of the rows that stay."""
+        return sum(d.row.index for d in self.kept)
+
+    def __str__(self) -> str:
+        lines = [
+            f"threshold {self.threshold:.1%} keeps {self.kept_by_threshold} of {len(self.decisions)} rows; "
+            f"{len(self.removed)} can go, {len(self.kept)} stay with {self.kept_activity:.2%} of the activity"
+        ]
+        width = max((len(str(d.row.path)) for d in self.decisions), default=0)
+        for decision in self.decisions:
+            if decision.verdict is not Verdict.KEPT:
+                lines.append(
+                    f"  {decision.row.path!s:<{width}} {decision.row.index:>8.3%}  {decision.verdict:<8} "
+                    f"{decision.meaning}: {decision.reason}"
+                )
+        lines.extend(f"  {freeze.signal} frozen at {freeze.value:.6g}" for freeze in self.frozen)  # pyright: ignore[reportAttributeAccessIssue]
+        lines.extend(f"  note: {note}" for note in self.notes)
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rules:
+    """How a plan is made.
+
+    `tolerance` is the largest share of its junction's greatest activity that a neglected term may have. With
+    `drop_driven` a group goes also when some of its rows are above the threshold, provided that it acts back on
+    nothing beyond the tolerance and no protected output lies in it: it is a driven part (Rideout, Stein and Louca
+    2007).
+    """
+
+    threshold: float = 0.99
+    tolerance: float = 0.05
+    drop_driven: bool = False
+    protected: tuple[Path, ...] = field(default=())
+
+
+def plan_reduction(
+    compiled: CompiledModel,
+    trajectory: Trajectory,
+    ranking: ActivityRanking,
+    *,
+    threshold: float = 0.99,
+    protected: Iterable[Expr | Path | str] = (),
+    tolerance: float = 0.05,
+    drop_driven: bool = False,
+) -> Reduction:
+    """Decide which rows go and what replaces them.
+
+    Rows are kept from the top until `threshold` of the activity is reached. For each other row a local test at its
+    junction says which replacement is small against its peers: no effort, no flow, a constant; whole groups that act
+    back on nothing go together. What would leave a protected output undefined, a kept row idle, or equations without
+    solution is refused.
+
+    Args:
+        compiled: The full model.
+        trajectory: Its run, with the observables of all ports recorded.
+        ranking: Its ranking.
+        threshold: The share of activity to keep.
+        protected: Observables that must stay defined.
+        tolerance: Largest share that a neglected term may have at its junction.
+        drop_driven: Let driven parts go that feed no protected output, although they are active.
+
+    Raises:
+        ReductionError: the threshold is no share, or a protected output does not exist.
+    """
+    rules = Rules(
+        threshold=threshold,
+        tolerance=tolerance,
+        drop_driven=drop_driven,
+        protected=tuple(observable_path(p) for p in protected),
+    )
+    for path in rules.protected:
+        if path not in compiled.lowered.observables:
+            raise ReductionError.of("reduction/unknown-output", f"the protected output '{path}' does not exist")
+    keep = {row.path for row in ranking.kept_by(threshold)}
+    evidence = RunEvidence.of(compiled, trajectory)
+    candidates = [row for row in ranking.rows if row.path not in keep]
+    proposals, groups = _propose(evidence, ranking, candidates, keep, rules)
+    accepted, refused = _verify(compiled, evidence, proposals, keep, rules)
+    return _assemble(ranking, keep, rules, accepted, refused, groups, compiled, evidence)
+
+
+def _propose(
+    evidence: RunEvidence, ranking: ActivityRanking, candidates: list[ActivityRow], keep: set[Path], rules: Rules
+) -> tuple[list[Proposal], tuple[Group, ...]]:
+    groups = find_groups(evidence, {row.path for row in candidates}, keep, rules.tolerance, rules.drop_driven)
+    by_row = {row.path: row for row in ranking.rows}
+    proposals = [group.proposal(tuple(by_row[path] for path in group.rows)) for group in groups]
+    grouped = {path for group in groups for path in group.rows}
+    proposals.extend(propose(evidence, row, rules.tolerance) for row in reversed(candidates) if row.path not in grouped)
+    return proposals, groups
+
+
+def _verify(
+    compiled: CompiledModel, evidence: RunEvidence, proposals: list[Proposal], keep: set[Path], rules: Rules
+) -> tuple[list[Proposal], list[Proposal]]:
+    """Accept the proposals that leave a model with equations; all at once where possible, otherwise one by one."""
+    refused = [p for p in proposals if not p.removals]
+    open_proposals = [p for p in proposals if p.removals]
+    if _fault(compiled, evidence, open_proposals, keep, rules) is None:
+        return open_proposals, refused
+    accepted: list[Proposal] = []
+    for proposal in open_proposals:
+        fault = _fault(compiled, evidence, [*accepted, proposal], keep, rules)
+        if fault is None:
+            accepted.append(proposal)
+        else:
+            refused.append(proposal.refused(fault))
+    return accepted, refused
+
+
+def _fault(
+    compiled: CompiledModel, evidence: RunEvidence, proposals: list[Proposal], keep: set[Path], rules: Rules
+) -> str | None:
+    """Why these removals together are impossible, or None."""
+    try:
+        _, reduced = _reduce(compiled, evidence, proposals)
+    except ProperModelError as error:
+        return f"without it the equations have no solution: {error.diagnostics[0].message}"
+    dropped = {path for p in proposals for path in p.rows}
+    rows = {row.path for row in reduced.system.rows}
+    idle = sorted(str(path) for path in keep - rows - dropped)
+    if idle:
+        return f"{', '.join(idle)} would have nothing left to act on"
+    lost = [str(path) for path in rules.protected if path not in reduced.lowered.observables]
+    if lost:
+        return f"the protected output {', '.join(lost)} would not exist any more"
+    return None
+
+
+def _reduce(
+    compiled: CompiledModel, evidence: RunEvidence, proposals: list[Proposal]
+) -> tuple[tuple[Removal, ...], CompiledModel]:
+    removals = tuple(dict.fromkeys(r for p in proposals for r in p.removals))
+    frozen = signals_to_freeze(evidence, removals)
+    return frozen, compile_model(compiled.model.without((*removals, *frozen)))
+
+
+def _assemble(
+    ranking: ActivityRanking,
+    keep: set[Path],
+    rules: Rules,
+    accepted: list[Proposal],
+    refused: list[Proposal],
+    groups: tuple[Group, ...],
+    compiled: CompiledModel,
+    evidence: RunEvidence,
+) -> Reduction:
+    removals = tuple(dict.fromkeys(r for p in accepted for r in p.removals))
+    frozen, reduced = _reduce(compiled, evidence, accepted)
+    going = {path: p for p in accepted for path in p.rows}
+    staying = {path: p for p in refused for path in p.rows}
+    left = {row.path for row in reduced.system.rows}
+    decisions: list[Decision] = []
+    for row in ranking.rows:
+        if row.path in going:
+            p = going[row.path]
+            decisions.append(Decision(row, Verdict.REMOVED, p.removals, p.meaning, p.reason))
+        elif row.path in staying:
+            p = staying[row.path]
+            decisions.append(Decision(row, Verdict.REFUSED, (), p.meaning, p.reason))
+        elif row.path not in left:
+            decisions.append(
+                Decision(row, Verdict.REMOVED, (), "idle", "the other removals leave it nothing to act on")
+            )
+        else:
+            decisions.append(Decision(row, Verdict.KEPT, (), "", f"above the threshold of {rules.threshold:.1%}"))
+    used = {p.meaning for p in accepted}
+    return Reduction(
+        threshold=rules.threshold,
+        tolerance=rules.tolerance,
+        decisions=tuple(decisions),
+        groups=tuple(g for g in groups if any(set(g.rows) & set(p.rows) for p in accepted)),
+        frozen=frozen,
+        removals=(*removals, *frozen),
+        kept_by_threshold=len(keep),
+        protected=rules.protected,
+        notes=() if used else ("nothing can be removed at this threshold",),
+    )

@@ -1,0 +1,118 @@
+"""What replaces one row: the local tests at its junction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from propermodel.analysis.activity import ActivityRow
+from propermodel.bondgraph.graph import Bond
+from propermodel.diagnostics import Path
+from propermodel.modelling.model import (
+    ConstantEffort,
+    ConstantFlow,
+    JunctionKind,
+    Removal,
+    Variable,
+    ZeroEffort,
+    ZeroFlow,
+)
+from propermodel.reduction.evidence import RunEvidence
+
+# A neglected term whose mean size is more than this share of its greatest peer is a preload, whatever its activity.
+PRELOAD_SHARE = 0.2
+# A constant replaces a zero when it leaves less than this share of the zero's error.
+CONSTANT_GAIN = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """Removals that belong together, for one row or a group; without removals it is a refusal."""
+
+    rows: tuple[Path, ...]
+    removals: tuple[Removal, ...]
+    meaning: str
+    reason: str
+
+    def refused(self, why: str) -> Proposal:
+        """The same proposal, refused."""
+        return replace(self, removals=(), meaning="refused", reason=f"{self.meaning} was tried, but {why}")
+
+
+def propose(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal:
+    """The replacement for a row that passes the local test at every bond, or a refusal that says why none does."""
+    removals: list[Removal] = []
+    meanings: list[str] = []
+    reasons: list[str] = []
+    for bond, _ in row.ports:
+        found = _at_bond(evidence, evidence.structure.bonds[bond], tolerance)
+        if found is None or len(row.ports) > 1 and not _is_one_port_row(evidence, row):
+            return _refuse(evidence, row, tolerance)
+        removal, meaning, reason = found
+        removals.append(removal)
+        meanings.append(meaning)
+        reasons.append(reason)
+    return Proposal((row.path,), tuple(removals), " and ".join(dict.fromkeys(meanings)), "; ".join(reasons))
+
+
+def _is_one_port_row(evidence: RunEvidence, row: ActivityRow) -> bool:
+    return all(len(evidence.structure.elements[path].ports) == 1 for path in row.elements)
+
+
+def _junction_of(evidence: RunEvidence, bond: Bond) -> Path | None:
+    for end in (bond.tail, bond.head):
+        if not end.port:
+            return end.owner
+    return None
+
+
+def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Removal, str, str] | None:
+    """The replacement at one bond, by the rule of its junction: at a sum, the small term is dropped."""
+    junction = _junction_of(evidence, bond)
+    if junction is None or len(evidence.at[junction]) < 2:
+        return None
+    kind = evidence.structure.junctions[junction].kind
+    variable = kind.common.other
+    share = evidence.share(bond, junction)
+    constant = evidence.constant_share(bond, junction, variable)
+    where = f"at {kind}-junction {junction}"
+    is_storage = evidence.structure.elements[_element(bond)].kind.is_storage
+    if is_storage and constant <= tolerance and constant < CONSTANT_GAIN * share:
+        value = evidence.mean(bond, variable)
+        make = ConstantEffort if variable is Variable.EFFORT else ConstantFlow
+        reason = f"what a constant leaves unexplained is {constant:.2%} of the greatest activity {where}"
+        return make(bond.name, value), f"constant {variable} {value:.6g}", reason
+    size = evidence.size_share(bond, junction)
+    if share <= tolerance and size <= max(PRELOAD_SHARE, tolerance):
+        make_zero = ZeroEffort if kind is JunctionKind.ONE else ZeroFlow
+        reason = f"its {variable} carries {share:.2%} of the greatest activity {where}"
+        return make_zero(bond.name), f"no {variable}", reason
+    return None
+
+
+def _element(bond: Bond) -> Path:
+    return bond.head.owner if bond.head.port else bond.tail.owner
+
+
+def _refuse(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal:
+    if not _is_one_port_row(evidence, row):
+        reason = "a field couples several junctions, and its group could not be separated from the rest"
+        return Proposal((row.path,), (), "refused", reason)
+    worst = ""
+    for name, _ in row.ports:
+        bond = evidence.structure.bonds[name]
+        junction = _junction_of(evidence, bond)
+        if junction is None:
+            continue
+        kind = evidence.structure.junctions[junction].kind
+        share, size = evidence.share(bond, junction), evidence.size_share(bond, junction)
+        if share > tolerance:
+            worst = (
+                f"little of the whole, but its {kind.common.other} carries {share:.1%} of the greatest activity at "
+                f"{kind}-junction {junction}: it is not small among its peers (allowed {tolerance:.0%})"
+            )
+        elif size > PRELOAD_SHARE:
+            worst = (
+                f"its {kind.common.other} is on average {size:.0%} of the greatest at {kind}-junction {junction}: "
+                "a preload that does no work but must not be dropped"
+            )
+    return Proposal((row.path,), (), "refused", worst or "no replacement is possible at its junction")
