@@ -1,4 +1,4 @@
-"""Activity: the integral of |effort x flow| of every energy element, ranked (Louca, Stein, Hulbert and Sprague 1997)."""
+"""Activity: the integral of |effort x flow| of every energy element, ranked (Louca et al. 1997)."""
 
 from __future__ import annotations
 
@@ -111,7 +111,8 @@ def rank_activity(
     total = sum(activities.values())
     if not total > 0.0:
         raise ReductionError.of(
-            "activity/none", f"nothing is active in scenario '{trajectory.scenario.name}': no element exchanges energy"
+            "activity/none",
+            f"nothing is active in scenario '{trajectory.scenario.name}': no element exchanges energy",
         )
     discretisation = None if refined is None else _compare_steps(trajectory, refined, activities, window)
     by_row = {row.path: row for row in trajectory.compiled.system.rows}
@@ -122,13 +123,21 @@ def rank_activity(
         cumulative += activities[path]
         ports = tuple((bond, bond_activity(trajectory, bond, window)) for bond in row.bonds)
         rows.append(
-            ActivityRow(path, row.kind, activities[path], activities[path] / total, cumulative / total, row.elements, ports)
+            ActivityRow(
+                path,
+                row.kind,
+                activities[path],
+                activities[path] / total,
+                cumulative / total,
+                row.elements,
+                ports,
+            )
         )
     domains = trajectory.compiled.graph.domains.values()
     return ActivityRanking(
         rows=tuple(rows),
         total=total,
-        window=window or (trajectory.scenario.start, trajectory.ending.time),
+        window=window if window is not None else (trajectory.scenario.start, trajectory.ending.time),
         scenario=trajectory.scenario.name,
         datums=tuple(f"{d.name}: {d.datum}" for d in domains if d.datum),
         discretisation=discretisation,
@@ -140,14 +149,14 @@ def _check(trajectory: Trajectory) -> None:
         raise ReductionError.of("activity/incomplete", f"the run did not reach its end: {trajectory.ending.message}")
     graph = trajectory.compiled.graph
     bonds = [graph.normal.bonds[name] for row in trajectory.compiled.system.rows for name in row.bonds]
-    kinds = {graph.domains[bond.domain].is_true: bond for bond in bonds if bond.domain in graph.domains}
-    if len(kinds) > 1:
+    pseudo = [bond for bond in bonds if not graph.domains[bond.domain].is_true]
+    if pseudo and len(pseudo) < len(bonds):
         raise ReductionError(
             [
                 Diagnostic(
                     "activity/pseudo-bonds",
                     "true and pseudo bonds cannot be ranked together: the product of a pseudo bond is not power",
-                    where=f"{kinds[False].name} is a pseudo bond ({kinds[False].domain})",
+                    where=f"{pseudo[0].name} is a pseudo bond ({pseudo[0].domain})",
                     help="write the pseudo domain as a true one, with entropy flow for heat",
                 )
             ]
@@ -181,7 +190,10 @@ def bond_activities(trajectory: Trajectory) -> Mapping[Path, float]:
 
 
 def _compare_steps(
-    trajectory: Trajectory, refined: Trajectory, activities: Mapping[Path, float], window: tuple[float, float] | None
+    trajectory: Trajectory,
+    refined: Trajectory,
+    activities: Mapping[Path, float],
+    window: tuple[float, float] | None,
 ) -> Discretisation:
     finer = row_activities(refined, window)
     total, finer_total = sum(activities.values()), sum(finer.values())

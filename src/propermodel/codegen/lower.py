@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 from propermodel.bondgraph.graph import BondGraph, SampledController
 from propermodel.codegen.program import (
@@ -20,7 +21,18 @@ from propermodel.codegen.program import (
 from propermodel.diagnostics import Path
 from propermodel.equations.definitions import Variables, sign_at
 from propermodel.equations.system import EquationSystem, ImplicitBlock, StateKind
-from propermodel.expressions.core import ONE, TIME, ZERO, Expr, Op, SymbolKind, leaves, postorder, symbol, where
+from propermodel.expressions.core import (
+    ONE,
+    TIME,
+    ZERO,
+    Expr,
+    Op,
+    SymbolKind,
+    leaves,
+    postorder,
+    symbol,
+    where,
+)
 from propermodel.modelling.model import TableValues, Variable
 
 
@@ -107,7 +119,9 @@ def _samples(system: EquationSystem, held: tuple[Expr, ...]) -> list[Function]:
     index = {h: i for i, h in enumerate(held)}
     return [
         _function(
-            f"sample_{number}", system, [Assign(Slot(Array.DISCRETE, index[h]), value) for h, value in updates]
+            f"sample_{number}",
+            system,
+            [Assign(Slot(Array.DISCRETE, index[h]), value) for h, value in updates],
         )
         for number, (_, updates) in enumerate(system.updates)
     ]
@@ -172,7 +186,9 @@ def _row_powers(system: EquationSystem) -> tuple[PowerEntry, ...]:
         total = ZERO
         for name in row.bonds:
             bond = graph.normal.bonds[name]
-            power = system.values[variables.of(bond, Variable.EFFORT)] * system.values[variables.of(bond, Variable.FLOW)]
+            power = (
+                system.values[variables.of(bond, Variable.EFFORT)] * system.values[variables.of(bond, Variable.FLOW)]
+            )
             owner = bond.head.owner if bond.head.owner in inside else bond.tail.owner
             total = total + power if sign_at(bond, owner) else total - power
         found.append(PowerEntry(row.path, "row", total))
@@ -226,9 +242,7 @@ def _signals(system: EquationSystem) -> tuple[dict[Path, Observable], list[Expr]
     return found, values
 
 
-_GIVEN = frozenset(
-    {SymbolKind.TIME, SymbolKind.PARAMETER, SymbolKind.TABLE, SymbolKind.DISCRETE, SymbolKind.UNKNOWN}
-)
+_GIVEN = frozenset({SymbolKind.TIME, SymbolKind.PARAMETER, SymbolKind.TABLE, SymbolKind.DISCRETE, SymbolKind.UNKNOWN})
 
 
 def _is_complete(value: Expr, states: set[Expr]) -> bool:
@@ -284,6 +298,6 @@ def is_uniform(values: TableValues) -> bool:
     """Whether every grid is equidistant to rounding, with more than two points."""
     for grid in values.grids:
         step = (grid[-1] - grid[0]) / (len(grid) - 1)
-        if any(abs(b - a - step) > 1e-9 * abs(step) for a, b in zip(grid[:-1], grid[1:], strict=True)):
+        if any(abs(b - a - step) > 1e-9 * abs(step) for a, b in pairwise(grid)):
             return False
     return True

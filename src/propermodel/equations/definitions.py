@@ -37,7 +37,7 @@ class Variables:
 
 @dataclass(frozen=True, slots=True)
 class Dependent:
-    """Storage in derivative causality: its coordinate as a function of what drives it, and the unknown it answers with."""
+    """Storage in derivative causality: its stored quantity, whose rate is the unknown it answers with."""
 
     element: Element
     unknown: Expr
@@ -96,7 +96,12 @@ def _sum_of_others(terms: Iterable[tuple[Expr, bool]], into: bool) -> Expr:
 
 
 def _define_junction(
-    found: Definitions, causal: CausalGraph, variables: Variables, path: Path, kind: JunctionKind, bonds: list[Bond]
+    found: Definitions,
+    causal: CausalGraph,
+    variables: Variables,
+    path: Path,
+    kind: JunctionKind,
+    bonds: list[Bond],
 ) -> None:
     wants = kind is JunctionKind.ZERO
     strong = next(b for b in bonds if (causal.strokes[b.name].effort_into == path) is wants)
@@ -141,7 +146,8 @@ def _define_two_port(
     ports: dict[str, Bond | None],
 ) -> None:
     a, b = ports["a"], ports["b"]
-    assert a is not None and b is not None
+    assert a is not None
+    assert b is not None
     m = behaviour.modulus
     e_a, f_a = variables.of(a, Variable.EFFORT), variables.of(a, Variable.FLOW)
     e_b, f_b = variables.of(b, Variable.EFFORT), variables.of(b, Variable.FLOW)
@@ -204,7 +210,8 @@ def _define_storage(
     if element.path in causal.derivative:
         (port,) = element.ports
         bond = ports[port]
-        assert bond is not None and behaviour.inverse is not None
+        assert bond is not None
+        assert behaviour.inverse is not None
         target = variables.of(bond, output.other)
         unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
         coordinate = behaviour.coordinates[0]
@@ -300,7 +307,7 @@ class _Recovery:
             transforms = behaviour.kind is ElementKind.TRANSFORMER
             for variable in Variable:
                 across = variable if transforms else variable.other
-                upward = (variable is Variable.EFFORT) if transforms else variable is Variable.EFFORT
+                upward = variable is Variable.EFFORT
                 from_b = self.variables.of(b, across)
                 from_a = self.variables.of(a, variable)
                 if (b.name, across) in self.known:
@@ -374,5 +381,3 @@ def _observe(found: Definitions, graph: BondGraph, variables: Variables) -> None
         found.values[flow] = by_variable[Variable.FLOW]
         unit = "W" if domain.is_true else ""
         found.values[symbol(SymbolKind.POWER, port / "power", unit)] = effort * flow
-
-

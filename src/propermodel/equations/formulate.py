@@ -58,7 +58,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
     """
     definitions = define(causal)
     resolution = Resolution(definitions.values, definitions.laws)
-    states, rates = _states(causal, definitions, resolution)
+    states, rates = _states(causal, resolution)
     unknowns = _unknowns(definitions, resolution, rates)
     solved, blocks, solution = _solve_blocks(unknowns)
     finish = Substitution(solution)
@@ -96,24 +96,22 @@ def formulate(causal: CausalGraph) -> EquationSystem:
 # -- states --------------------------------------------------------------------------------------------
 
 
-def _states(
-    causal: CausalGraph, definitions: Definitions, resolution: Resolution
-) -> tuple[list[StateVariable], dict[Expr, Expr]]:
+def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVariable], dict[Expr, Expr]]:
     """Every state with its derivative, and the rates by symbol (time included)."""
     states: list[StateVariable] = []
     for element in causal.graph.normal.elements.values():
         if element.path in causal.integral and isinstance(element.behaviour, Storage):
             states.extend(_storage_states(causal, element, element.behaviour, resolution))
-    for signal in causal.graph.signal_states:
-        states.append(
-            _state(
-                signal.symbol.data.path.parent,
-                signal.coordinate,
-                StateKind.SIGNAL,
-                resolution.complete(signal.derivative),
-                signal.source,
-            )
+    states.extend(
+        _state(
+            signal.symbol.data.path.parent,
+            signal.coordinate,
+            StateKind.SIGNAL,
+            resolution.complete(signal.derivative),
+            signal.source,
         )
+        for signal in causal.graph.signal_states
+    )
     rates = {state.symbol: state.derivative for state in states}
     rates[TIME] = ONE
     return states, rates

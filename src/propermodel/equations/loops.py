@@ -60,8 +60,7 @@ class Resolution:
         self.torn: dict[Expr, Expr] = {}  # unknown: the symbol it stands for
         self._tear_loops(list(dict.fromkeys(candidates)))
         replaced = dict(values)
-        for unknown, target in self.torn.items():
-            replaced[target] = unknown
+        replaced.update({target: unknown for unknown, target in self.torn.items()})
         self.values = self._resolve(replaced)
 
     def torn_value(self, unknown: Expr) -> Expr:
@@ -125,7 +124,9 @@ class Resolution:
                 if state.get(top):
                     stack.pop()
                     continue
-                missing = [leaf for leaf in leaves(values[top]) if leaf in values and not state.get(leaf) and leaf is not top]
+                missing = [
+                    leaf for leaf in leaves(values[top]) if leaf in values and not state.get(leaf) and leaf is not top
+                ]
                 if missing and top not in state:
                     state[top] = False
                     stack.extend(missing)

@@ -84,7 +84,7 @@ class Row:
 class EquationSystem:
     """Everything the model computes, as expressions of states, held values, parameters and time.
 
-    `values` holds efforts and flows of bonds, signals and stored quantities by their symbol. Expressions may contain the
+    `values` holds efforts and flows of bonds, signals and stored quantities by symbol. Expressions may contain the
     unknowns of `blocks`, in whose order they are solved.
     """
 

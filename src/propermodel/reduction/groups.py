@@ -76,7 +76,7 @@ def find_groups(
             else:
                 good.append(component)
         for component in good:
-            group = _group(evidence, component, tolerance)
+            group = _group(evidence, component)
             if group is not None and _may_go(evidence, group, candidates, drop_driven):
                 found.append(group)
             members -= component
@@ -157,20 +157,12 @@ def _is_small(evidence: RunEvidence, bond: Bond, outer: Path, tolerance: float) 
     return size <= PRELOAD_SHARE or evidence.constant_share(bond, outer, variable) <= CONSTANT_GAIN * share
 
 
-def _group(evidence: RunEvidence, component: set[Path], tolerance: float) -> Group | None:
+def _group(evidence: RunEvidence, component: set[Path]) -> Group | None:
     crossings = list(_crossings(evidence, component))
-    elements = {
-        bond.other(j).owner for j in component for bond in evidence.at[j] if bond.other(j).port
-    }
-    rows = tuple(
-        row.path
-        for row in evidence.compiled.system.rows
-        if any(path in elements for path in row.elements)
-    )
-    boundary = tuple(
-        Boundary(bond.name, outer, evidence.share(bond, outer)) for bond, _, outer in crossings
-    )
-    constant = _constant(evidence, component, crossings, elements)
+    elements = {bond.other(j).owner for j in component for bond in evidence.at[j] if bond.other(j).port}
+    rows = tuple(row.path for row in evidence.compiled.system.rows if any(path in elements for path in row.elements))
+    boundary = tuple(Boundary(bond.name, outer, evidence.share(bond, outer)) for bond, _, outer in crossings)
+    constant = _constant(evidence, crossings, elements)
     if constant is not None:
         return Group(rows, tuple(sorted(component)), boundary, *constant)
     edge: list[Removal] = []
@@ -206,7 +198,7 @@ def _inner_removals(evidence: RunEvidence, component: set[Path], elements: set[P
 
 
 def _constant(
-    evidence: RunEvidence, component: set[Path], crossings: list[tuple[Bond, Path, Path]], elements: set[Path]
+    evidence: RunEvidence, crossings: list[tuple[Bond, Path, Path]], elements: set[Path]
 ) -> tuple[tuple[Removal, ...], str] | None:
     """A slow store behind one bond becomes a constant source, where that explains its term better than zero does."""
     if len(crossings) != 1:

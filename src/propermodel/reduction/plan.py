@@ -10,7 +10,7 @@ from propermodel.analysis.activity import ActivityRanking, ActivityRow
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
 from propermodel.expressions.core import Expr
-from propermodel.modelling.model import Removal
+from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
 from propermodel.reduction.groups import Group, find_groups
@@ -45,7 +45,7 @@ class Reduction:
     tolerance: float  # of the local tests
     decisions: tuple[Decision, ...]
     groups: tuple[Group, ...]
-    frozen: tuple[Removal, ...]
+    frozen: tuple[Freeze, ...]
     removals: tuple[Removal, ...]
     kept_by_threshold: int
     protected: tuple[Path, ...]
@@ -67,18 +67,20 @@ class Reduction:
         return sum(d.row.index for d in self.kept)
 
     def __str__(self) -> str:
-        lines = [
+        head = (
             f"threshold {self.threshold:.1%} keeps {self.kept_by_threshold} of {len(self.decisions)} rows; "
             f"{len(self.removed)} can go, {len(self.kept)} stay with {self.kept_activity:.2%} of the activity"
-        ]
+        )
         width = max((len(str(d.row.path)) for d in self.decisions), default=0)
-        for decision in self.decisions:
-            if decision.verdict is not Verdict.KEPT:
-                lines.append(
-                    f"  {decision.row.path!s:<{width}} {decision.row.index:>8.3%}  {decision.verdict:<8} "
-                    f"{decision.meaning}: {decision.reason}"
-                )
-        lines.extend(f"  {freeze.signal} frozen at {freeze.value:.6g}" for freeze in self.frozen)  # pyright: ignore[reportAttributeAccessIssue]
+        lines = [
+            head,
+            *(
+                f"  {d.row.path!s:<{width}} {d.row.index:>8.3%}  {d.verdict:<8} {d.meaning}: {d.reason}"
+                for d in self.decisions
+                if d.verdict is not Verdict.KEPT
+            ),
+        ]
+        lines.extend(f"  {freeze.signal} frozen at {freeze.value:.6g}" for freeze in self.frozen)
         lines.extend(f"  note: {note}" for note in self.notes)
         return "\n".join(lines)
 
@@ -146,7 +148,11 @@ def plan_reduction(
 
 
 def _propose(
-    evidence: RunEvidence, ranking: ActivityRanking, candidates: list[ActivityRow], keep: set[Path], rules: Rules
+    evidence: RunEvidence,
+    ranking: ActivityRanking,
+    candidates: list[ActivityRow],
+    keep: set[Path],
+    rules: Rules,
 ) -> tuple[list[Proposal], tuple[Group, ...]]:
     groups = find_groups(evidence, {row.path for row in candidates}, keep, rules.tolerance, rules.drop_driven)
     by_row = {row.path: row for row in ranking.rows}
@@ -195,7 +201,7 @@ def _fault(
 
 def _reduce(
     compiled: CompiledModel, evidence: RunEvidence, proposals: list[Proposal]
-) -> tuple[tuple[Removal, ...], CompiledModel]:
+) -> tuple[tuple[Freeze, ...], CompiledModel]:
     removals = tuple(dict.fromkeys(r for p in proposals for r in p.removals))
     frozen = signals_to_freeze(evidence, removals)
     return frozen, compile_model(compiled.model.without((*removals, *frozen)))

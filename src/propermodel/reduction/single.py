@@ -45,7 +45,7 @@ def propose(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Propos
     reasons: list[str] = []
     for bond, _ in row.ports:
         found = _at_bond(evidence, evidence.structure.bonds[bond], tolerance)
-        if found is None or len(row.ports) > 1 and not _is_one_port_row(evidence, row):
+        if found is None or not _is_one_port_row(evidence, row):
             return _refuse(evidence, row, tolerance)
         removal, meaning, reason = found
         removals.append(removal)
@@ -58,7 +58,7 @@ def _is_one_port_row(evidence: RunEvidence, row: ActivityRow) -> bool:
     return all(len(evidence.structure.elements[path].ports) == 1 for path in row.elements)
 
 
-def _junction_of(evidence: RunEvidence, bond: Bond) -> Path | None:
+def _junction_of(bond: Bond) -> Path | None:
     for end in (bond.tail, bond.head):
         if not end.port:
             return end.owner
@@ -67,7 +67,7 @@ def _junction_of(evidence: RunEvidence, bond: Bond) -> Path | None:
 
 def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Removal, str, str] | None:
     """The replacement at one bond, by the rule of its junction: at a sum, the small term is dropped."""
-    junction = _junction_of(evidence, bond)
+    junction = _junction_of(bond)
     if junction is None or len(evidence.at[junction]) < 2:
         return None
     kind = evidence.structure.junctions[junction].kind
@@ -100,7 +100,7 @@ def _refuse(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Propos
     worst = ""
     for name, _ in row.ports:
         bond = evidence.structure.bonds[name]
-        junction = _junction_of(evidence, bond)
+        junction = _junction_of(bond)
         if junction is None:
             continue
         kind = evidence.structure.junctions[junction].kind

@@ -192,8 +192,7 @@ def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory) ->
             path = compiled.system.states[outcome.index].path
             return Ending(
                 RunStatus.FAILED,
-                f"stopped at {outcome.time:.6g} s: the state {path} is no longer a finite number; "
-                "try a smaller step",
+                f"stopped at {outcome.time:.6g} s: the state {path} is no longer a finite number; try a smaller step",
                 outcome.time,
                 path,
             )
@@ -227,7 +226,9 @@ def _selected(
     chosen: dict[int, None] = {}
     for item in record:
         path = observable_path(item)
-        wanted = [path.parent / "effort", path.parent / "flow"] if path.name == "power" and path not in known else [path]
+        wanted = (
+            [path.parent / "effort", path.parent / "flow"] if path.name == "power" and path not in known else [path]
+        )
         for name in wanted:
             if name not in known:
                 raise SimulationError.of(
@@ -247,6 +248,7 @@ def _continue(compiled: CompiledModel, scenario: Scenario, earlier: Trajectory) 
     memory = earlier.memory.copy()
     if not scenario.stop > memory.time:
         raise SimulationError.of(
-            "simulation/window", f"the run to continue is already at {memory.time} s, past the stop {scenario.stop} s"
+            "simulation/window",
+            f"the run to continue is already at {memory.time} s, past the stop {scenario.stop} s",
         )
     return memory

@@ -77,7 +77,7 @@ def begin(compiled: CompiledModel, scenario: Scenario) -> Memory:
     faults.raise_if_any()
     program = compiled.lowered.program
     flat = compiled.graph.parameters
-    limits = _grid_limits(compiled, tables)
+    limits = _grid_limits(tables)
     memory = start_memory(
         program,
         {
@@ -132,7 +132,7 @@ def _input(value: float | TableValues, scenario: Scenario) -> TableValues:
     return TableValues(((scenario.start, end),), (float(value), float(value)))
 
 
-def _grid_limits(compiled: CompiledModel, tables: Mapping[Path, TableValues]) -> dict[Path, float]:
+def _grid_limits(tables: Mapping[Path, TableValues]) -> dict[Path, float]:
     """The ends of table grids, which the program reads as parameters to count the time spent outside."""
     found: dict[Path, float] = {}
     for path, values in tables.items():
@@ -178,11 +178,13 @@ def _initial_states(
     return found
 
 
-def _at_port(
-    compiled: CompiledModel, path: Path, value: float, parameters: Values, found: dict[Path, float]
-) -> bool:
+def _at_port(compiled: CompiledModel, path: Path, value: float, parameters: Values, found: dict[Path, float]) -> bool:
     element = compiled.graph.normal.elements.get(Path(path[:-2]))
-    if element is None or not isinstance(element.behaviour, Storage) or element.path not in compiled.system.causal.integral:
+    if (
+        element is None
+        or not isinstance(element.behaviour, Storage)
+        or element.path not in compiled.system.causal.integral
+    ):
         return False
     storage = element.behaviour
     state = element.path / storage.coordinates[0].name
@@ -192,7 +194,8 @@ def _at_port(
     if storage.inverse is None or path.name not in ("effort", "flow"):
         return False
     driver = next(
-        (leaf for leaf in leaves(storage.inverse) if leaf.data.kind in (SymbolKind.EFFORT, SymbolKind.FLOW)), None
+        (leaf for leaf in leaves(storage.inverse) if leaf.data.kind in (SymbolKind.EFFORT, SymbolKind.FLOW)),
+        None,
     )
     if driver is None or driver.data.path != path:
         return False
@@ -202,6 +205,4 @@ def _at_port(
 
 def _held(compiled: CompiledModel, scenario: Scenario, parameters: Values) -> list[float]:
     starts = {held: start for c in compiled.graph.controllers for held, start in c.starts}
-    return [
-        scenario.initial.get(held.data.path, interpret(starts[held], parameters)) for held in compiled.lowered.held
-    ]
+    return [scenario.initial.get(held.data.path, interpret(starts[held], parameters)) for held in compiled.lowered.held]

@@ -15,6 +15,8 @@ from propermodel.diagnostics import Path, SimulationError, nearest, parse_path
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 
+NOWHERE = Path()
+
 
 class RunStatus(StrEnum):
     """How a run ended."""
@@ -31,7 +33,7 @@ class Ending:
     status: RunStatus
     message: str
     time: float
-    path: Path = Path()
+    path: Path = NOWHERE
 
     @property
     def is_complete(self) -> bool:
