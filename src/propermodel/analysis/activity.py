@@ -166,7 +166,7 @@ def _check(trajectory: Trajectory) -> None:
 def row_activities(trajectory: Trajectory, window: tuple[float, float] | None = None) -> dict[Path, float]:
     """The activity of every row, J; a group and a field count the power of all their bonds together."""
     return {
-        row.path: bond_activity(trajectory, row.path if len(row.bonds) > 1 else row.bonds[0], window)
+        row.path: bond_activity(trajectory, row.path if len(row.bonds) > 1 else next(iter(row.bonds)), window)
         for row in trajectory.compiled.system.rows
     }
 
