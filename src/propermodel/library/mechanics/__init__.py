@@ -1,0 +1,1 @@
+"""Mechanics: translation along a line, rotation about an axis, and bodies that move in a plane."""

@@ -1,0 +1,49 @@
+"""Rotating mechanics.
+
+Sign convention: angular velocities of all shafts count in one sense. The effort of a port is the torque with which its
+surroundings turn the component in that sense, so power is positive into it. An element between two shafts has the
+velocity of `a` less that of `b`. A gear takes power in at `a` and gives it out at `b`.
+"""
+
+from propermodel.library.mechanics.rotation.components import (
+    CoulombFriction,
+    RotatingInertia,
+    RotationalDamper,
+    RotationalSpringDamper,
+    TorsionSpring,
+    ViscousFriction,
+)
+from propermodel.library.mechanics.rotation.machines import (
+    Differential,
+    Gear,
+    LossyGear,
+    ModulatedGear,
+    RollingWheel,
+    TorqueDrivenLoss,
+    TorqueGivenLoss,
+    passing_efficiency,
+)
+from propermodel.library.mechanics.rotation.sensors import RotationSensor, TorqueSensor
+from propermodel.library.mechanics.rotation.sources import FixedShaft, SpeedSource, TorqueSource
+
+__all__ = [
+    "CoulombFriction",
+    "Differential",
+    "FixedShaft",
+    "Gear",
+    "LossyGear",
+    "ModulatedGear",
+    "RollingWheel",
+    "RotatingInertia",
+    "RotationSensor",
+    "RotationalDamper",
+    "RotationalSpringDamper",
+    "SpeedSource",
+    "TorqueDrivenLoss",
+    "TorqueGivenLoss",
+    "TorqueSensor",
+    "TorqueSource",
+    "TorsionSpring",
+    "ViscousFriction",
+    "passing_efficiency",
+]

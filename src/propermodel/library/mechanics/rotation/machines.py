@@ -1,0 +1,144 @@
+"""Gears, differentials and wheels, ideal and lossy.
+
+A lossy gear is an ideal one with a resistance on its output shaft. The torque of that resistance is the share 1 - e
+of the torque passed, so the output torque is the ideal torque times e, whichever way power flows.
+"""
+
+from __future__ import annotations
+
+from propermodel.expressions import Expr, ExprLike, minimum, where
+from propermodel.modelling import (
+    Component,
+    Input,
+    Parameter,
+    Port,
+    Resistance,
+    Rotation,
+    Transformer,
+    Translation,
+    ZeroJunction,
+    bond,
+    connect,
+    parameter,
+)
+
+
+def passing_efficiency(power: Expr, efficiency: Expr, width: Expr) -> Expr:
+    """Output torque over ideal torque: eta forward, 1/eta backward, blended through zero power over a width.
+
+    Args:
+        power: Power that enters in the driving direction.
+        efficiency: Torque efficiency eta.
+        width: Power below which the loss fades out, so that nothing jumps at reversal.
+    """
+    forward = 1.0 - minimum(power / width, 1.0) * (1.0 - efficiency)
+    backward = 1.0 / (1.0 - minimum(-power / width, 1.0) * (1.0 - efficiency))
+    return where(power >= 0.0, forward, backward)
+
+
+class Gear(Transformer):
+    """An ideal gear: the ratio is input speed over output speed."""
+
+    a = Port(Rotation)
+    b = Port(Rotation)
+    ratio: Parameter = parameter("1", low=0.0)
+
+    def modulus(self) -> ExprLike:
+        return 1.0 / self.ratio
+
+
+class ModulatedGear(Transformer):
+    """An ideal gear whose ratio may change while it runs."""
+
+    a = Port(Rotation)
+    b = Port(Rotation)
+    ratio = Input("1")
+
+    def modulus(self) -> ExprLike:
+        return 1.0 / self.ratio
+
+
+class TorqueDrivenLoss(Resistance):
+    """The loss of a gear by the torque that drives it: (1 - e) times the ideal output torque."""
+
+    shaft = Port(Rotation)
+    torque = Input("N.m")
+    efficiency = Input("1")
+    width: Parameter = parameter("W", default=100.0, low=0.0, doc="power over which the loss fades in")
+
+    def effort(self, flow: Expr) -> Expr:
+        return (1.0 - passing_efficiency(self.torque * flow, self.efficiency, self.width)) * self.torque
+
+
+class TorqueGivenLoss(Resistance):
+    """The loss of a gear by the torque that it gives: (1/e - 1) times the real output torque."""
+
+    shaft = Port(Rotation)
+    torque = Input("N.m")
+    efficiency = Input("1")
+    width: Parameter = parameter("W", default=100.0, low=0.0, doc="power over which the loss fades in")
+
+    def effort(self, flow: Expr) -> Expr:
+        return (1.0 / passing_efficiency(self.torque * flow, self.efficiency, self.width) - 1.0) * self.torque
+
+
+class LossyGear(Component):
+    """A gear that is ideal in speed and lossy in torque."""
+
+    a = Port(Rotation)
+    b = Port(Rotation)
+    ratio: Parameter = parameter("1", default=1.0, low=0.0)
+    efficiency: Parameter = parameter("1", low=0.0, high=1.0)
+
+    gear = Gear(ratio=ratio)
+    loss = TorqueDrivenLoss()
+
+    connections = (
+        connect(a, gear.a),
+        connect(gear.b, loss.shaft, b),
+        connect(gear.b.effort, loss.torque),
+        connect(efficiency, loss.efficiency),
+    )
+
+
+class TorqueShare(Transformer):
+    """A share of a torque, T_b = share * T_a."""
+
+    a = Port(Rotation)
+    b = Port(Rotation)
+    share: Parameter = parameter("1", low=0.0, high=1.0)
+
+    def modulus(self) -> ExprLike:
+        return 1.0 / self.share
+
+
+class Differential(Component):
+    """An ideal differential: fixed shares of the torque, and the mean of the speeds weighed by them."""
+
+    drive = Port(Rotation)
+    left = Port(Rotation)
+    right = Port(Rotation)
+    share: Parameter = parameter("1", default=0.5, low=0.0, high=1.0, doc="share of the torque on `left`")
+
+    to_left = TorqueShare(share=share)
+    to_right = TorqueShare(share=1.0 - share)
+    split = ZeroJunction()
+
+    connections = (
+        bond(drive, split),
+        bond(split, to_left.a),
+        bond(split, to_right.a),
+        connect(to_left.b, left),
+        connect(to_right.b, right),
+    )
+
+
+class RollingWheel(Transformer):
+    """Rotation into translation at a radius: v = radius * omega."""
+
+    a = Port(Rotation)
+    b = Port(Translation)
+    radius: Parameter = parameter("m", low=0.0)
+
+    def modulus(self) -> Expr:
+        return self.radius

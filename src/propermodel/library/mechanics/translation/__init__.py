@@ -1,0 +1,40 @@
+"""Straight-line mechanics.
+
+Sign convention: velocities of all flanges count in one direction. The effort of a port is the force with which its
+surroundings push the component in that direction, so power is positive into it. An element between two flanges has the
+velocity of `a` less that of `b`: its displacement is how far the flanges have come together, its effort is positive in
+compression.
+"""
+
+from propermodel.library.mechanics.translation.components import (
+    Damper,
+    DegressiveDamper,
+    Friction,
+    GasSpring,
+    Lever,
+    Mass,
+    Projection,
+    QuadraticDrag,
+    Spring,
+    SpringDamper,
+)
+from propermodel.library.mechanics.translation.sensors import ForceSensor, MotionSensor
+from propermodel.library.mechanics.translation.sources import Fixed, ForceSource, VelocitySource
+
+__all__ = [
+    "Damper",
+    "DegressiveDamper",
+    "Fixed",
+    "ForceSensor",
+    "ForceSource",
+    "Friction",
+    "GasSpring",
+    "Lever",
+    "Mass",
+    "MotionSensor",
+    "Projection",
+    "QuadraticDrag",
+    "Spring",
+    "SpringDamper",
+    "VelocitySource",
+]

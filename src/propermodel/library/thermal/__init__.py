@@ -1,0 +1,18 @@
+"""Heat as a true bond.
+
+Sign convention: the effort is temperature above ambient, the flow is the entropy that enters the component, so power
+is positive into it and counts what heat could still do against ambient. Ambient is the zero of effort.
+"""
+
+from propermodel.library.thermal.components import HeatCapacity, WallConductance
+from propermodel.library.thermal.sensors import TemperatureSensor
+from propermodel.library.thermal.sources import Ambient, HeatSource, TemperatureSource
+
+__all__ = [
+    "Ambient",
+    "HeatCapacity",
+    "HeatSource",
+    "TemperatureSensor",
+    "TemperatureSource",
+    "WallConductance",
+]

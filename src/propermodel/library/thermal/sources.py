@@ -1,0 +1,35 @@
+"""What heats from outside."""
+
+from __future__ import annotations
+
+from propermodel.expressions import Expr, ExprLike
+from propermodel.modelling import EffortSource, FlowSource, Input, Port, Thermal
+
+
+class Ambient(EffortSource):
+    """Surroundings at ambient temperature."""
+
+    port = Port(Thermal)
+
+    def effort(self) -> ExprLike:
+        return 0.0
+
+
+class TemperatureSource(EffortSource):
+    """A prescribed temperature, given above ambient."""
+
+    port = Port(Thermal)
+    temperature = Input("K")
+
+    def effort(self) -> Expr:
+        return self.temperature
+
+
+class HeatSource(FlowSource):
+    """A prescribed entropy flow into whatever is connected."""
+
+    port = Port(Thermal)
+    entropy_flow = Input("W/K")
+
+    def flow(self) -> Expr:
+        return -self.entropy_flow
