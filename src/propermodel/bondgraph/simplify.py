@@ -20,10 +20,11 @@ Zero = tuple[Path, Variable]  # a bond and which of its variables vanishes
 
 def normalise(net: Net, zeros: list[Zero]) -> None:
     """Bring the net to normal form, starting from bonds that are known to carry no effort or no flow."""
+    removed = {name for name, _ in zeros}
     pending = deque([*zeros, *_zero_sources(net)])
     while True:
         while pending:
-            _spread(net, pending.popleft(), pending)
+            _spread(net, pending.popleft(), pending, removed)
         pending.extend(_dead_ends(net))
         if pending:
             continue
@@ -44,7 +45,7 @@ def _zero_sources(net: Net) -> list[Zero]:
     return found
 
 
-def _spread(net: Net, zero: Zero, pending: deque[Zero]) -> None:
+def _spread(net: Net, zero: Zero, pending: deque[Zero], removed: set[Path]) -> None:
     """Take away a bond without effort (or flow) and follow what that means at both ends."""
     name, variable = zero
     if name not in net.bonds:
@@ -59,8 +60,30 @@ def _spread(net: Net, zero: Zero, pending: deque[Zero]) -> None:
                 pending.extend((other, variable) for other in net.incident[end.owner])
                 if not net.incident[end.owner]:
                     net.drop_node(end.owner)
+        elif name not in removed and _keeps(net.elements[end.owner], variable):
+            _set_free(net, bond, end)
         else:
             _spread_into_element(net, bond, end, variable, pending)
+
+
+def _keeps(element: Element, variable: Variable) -> bool:
+    """Whether an element without this variable keeps its state: a mass on which nothing acts, a closed-off volume."""
+    stores = {Variable.EFFORT: ElementKind.INERTIA, Variable.FLOW: ElementKind.COMPLIANCE}
+    return element.kind is stores[variable] and len(element.ports) == 1
+
+
+def _set_free(net: Net, bond: Bond, end: End) -> None:
+    """Let a storage stand alone, on a junction of its own."""
+    net.known_zero.pop(bond.name, None)
+    element = net.elements[end.owner]
+    kind = JunctionKind.ONE if element.kind is ElementKind.INERTIA else JunctionKind.ZERO
+    other = net.junctions.get(bond.other(end.owner).owner)
+    if other is not None and other.kind is kind and not net.incident[other.path]:
+        net.add(bond)
+        return
+    node = Junction(path=net.fresh(element.path / end.port, "_free"), kind=kind, source=element.source)
+    net.add_junction(node)
+    net.add(replace(bond, tail=End(node.path)) if bond.head == end else replace(bond, head=End(node.path)))
 
 
 def _spread_into_element(net: Net, bond: Bond, end: End, variable: Variable, pending: deque[Zero]) -> None:
@@ -178,12 +201,14 @@ def _resolve_rings(net: Net) -> bool:
             continue
         into_first, into_second = first.head.owner == path, second.head.owner == path
         rings.setdefault((a, b, into_first is into_second), []).append((path, into_first))
-    changed = False
+    # The dual of a ring may be a ring as well; what one has changed is looked at again in the next round.
+    touched: set[Path] = set()
     for (a, b, same_sense), members in rings.items():
-        if len(members) > 1:
+        places = {a, b, *(path for path, _ in members)}
+        if len(members) > 1 and not places & touched:
             _collect_ring(net, a, b, same_sense, members)
-            changed = True
-    return changed
+            touched |= places
+    return bool(touched)
 
 
 def _collect_ring(net: Net, a: Path, b: Path, same_sense: bool, members: list[tuple[Path, bool]]) -> None:

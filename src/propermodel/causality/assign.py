@@ -274,7 +274,11 @@ class Assignment:
     def explain(self, element: Element, conflict: Conflict) -> StructureError:
         """The error for a contradiction met while fixing an element."""
         causes = dict.fromkeys(
-            [element.path, *(self.strokes[b.name].cause for b in conflict.bonds if b.name in self.strokes)]
+            [
+                conflict.place,
+                element.path,
+                *(self.strokes[b.name].cause for b in conflict.bonds if b.name in self.strokes),
+            ]
         )
         elements = [self.structure.elements[path] for path in causes if path in self.structure.elements]
         junction = self.structure.junctions.get(conflict.place)
@@ -289,9 +293,10 @@ class Assignment:
                 else "put a resistance or inertia between them, or make one of them a flow source"
             )
         else:
-            message = f"{element.path} cannot have the causality it needs"
+            forced = self.structure.elements.get(conflict.place, element)
+            message = f"{forced.path} cannot have the causality it needs"
             cure = (
-                "give the element a law for the other causality, or put storage between it and what forces it"
+                "give the element a law for the other causality, or put storage between it and the cause"
             )
         where = f"{conflict.place} ({junction.kind}-junction)" if junction else str(conflict.place)
         source = junction.source if junction and junction.source.line else element.source
@@ -305,6 +310,9 @@ class Assignment:
             return "prescribes its flow"
         if element.kind is ElementKind.EFFORT_SOURCE:
             return "prescribes its effort"
+        if isinstance(element.behaviour, Resistive) and len(element.behaviour.laws) == 1:
+            given = (f"{result.port}.{result.variable}" for result in element.behaviour.laws[0].results)
+            return f"offers a law for {' and '.join(given)} only"
         return f"is a {element.kind} element that forces a stroke"
 
     def no_inverse(self, element: Element) -> StructureError:
