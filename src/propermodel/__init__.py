@@ -1,0 +1,252 @@
+"""Physical models from bond graphs, and the simplest of them whose answers are still good.
+
+Component -> Model -> CompiledModel -> Trajectory -> ActivityRanking -> Reduction. Models can be written without loading
+what compiles, runs and reduces them: those names are imported when first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from propermodel.diagnostics import Path, ProperModelError
+from propermodel.expressions import (
+    Expr,
+    absolute,
+    atan,
+    atan2,
+    clip,
+    cos,
+    equals,
+    exp,
+    floor,
+    log,
+    maximum,
+    minimum,
+    sign,
+    sin,
+    sqrt,
+    tan,
+    tanh,
+    time,
+    where,
+)
+from propermodel.modelling import (
+    Compliance,
+    Component,
+    ConstantEffort,
+    ConstantFlow,
+    Controller,
+    Cut,
+    Discrete,
+    Domain,
+    EffortSource,
+    Electrical,
+    FlowSource,
+    Freeze,
+    Gyrator,
+    Hydraulic,
+    Inertia,
+    Input,
+    Model,
+    MultiportCompliance,
+    MultiportInertia,
+    MultiportResistance,
+    OneJunction,
+    Output,
+    Parameter,
+    Port,
+    Removal,
+    Resistance,
+    Rotation,
+    Scenario,
+    SignalBlock,
+    State,
+    TableValues,
+    Thermal,
+    Transformer,
+    Translation,
+    Updates,
+    ZeroEffort,
+    ZeroFlow,
+    ZeroJunction,
+    bond,
+    chain,
+    connect,
+    elaborate,
+    evaluate,
+    free,
+    parameter,
+    prescribed_effort,
+    prescribed_flow,
+    quantity,
+    repeat,
+    replace,
+    table,
+    table_values,
+)
+
+if TYPE_CHECKING:
+    from propermodel.analysis.activity import ActivityRanking, rank_activity
+    from propermodel.analysis.balance import EnergyBalance, energy_balance
+    from propermodel.analysis.comparison import Comparison, compare
+    from propermodel.compiler import Backend, CompiledModel, Method, compile_model
+    from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
+    from propermodel.reduction.plan import Reduction, plan_reduction
+    from propermodel.report.study import ReductionStudy, StudyOptions, run_study
+    from propermodel.simulation.simulate import simulate
+    from propermodel.simulation.storage import load_trajectory, save_trajectory
+    from propermodel.simulation.trajectory import Trajectory
+
+    __version__: str
+
+_WHEN_USED = {
+    "ActivityRanking": "analysis.activity",
+    "Backend": "compiler",
+    "Comparison": "analysis.comparison",
+    "CompiledModel": "compiler",
+    "EnergyBalance": "analysis.balance",
+    "Method": "compiler",
+    "Reduction": "reduction.plan",
+    "ReductionStudy": "report.study",
+    "StudyOptions": "report.study",
+    "Trajectory": "simulation.trajectory",
+    "compare": "analysis.comparison",
+    "compile_model": "compiler",
+    "energy_balance": "analysis.balance",
+    "load_trajectory": "simulation.storage",
+    "plan_reduction": "reduction.plan",
+    "rank_activity": "analysis.activity",
+    "read_model": "modelling.documents",
+    "read_scenario": "modelling.documents",
+    "run_study": "report.study",
+    "save_trajectory": "simulation.storage",
+    "simulate": "simulation.simulate",
+    "write_model": "modelling.documents",
+    "write_scenario": "modelling.documents",
+}
+
+__all__ = [
+    # components and their parts
+    "Component",
+    "Port",
+    "Parameter",
+    "parameter",
+    "table",
+    "table_values",
+    "quantity",
+    "repeat",
+    "replace",
+    # elements and junctions
+    "Resistance",
+    "Compliance",
+    "Inertia",
+    "EffortSource",
+    "FlowSource",
+    "Transformer",
+    "Gyrator",
+    "MultiportResistance",
+    "MultiportCompliance",
+    "MultiportInertia",
+    "ZeroJunction",
+    "OneJunction",
+    # connections
+    "connect",
+    "bond",
+    "chain",
+    "free",
+    "prescribed_effort",
+    "prescribed_flow",
+    # domains
+    "Domain",
+    "Translation",
+    "Rotation",
+    "Hydraulic",
+    "Thermal",
+    "Electrical",
+    # signals
+    "Controller",
+    "SignalBlock",
+    "Input",
+    "Output",
+    "Discrete",
+    "State",
+    "Updates",
+    # laws
+    "Expr",
+    "absolute",
+    "atan",
+    "atan2",
+    "clip",
+    "cos",
+    "equals",
+    "exp",
+    "floor",
+    "log",
+    "maximum",
+    "minimum",
+    "sign",
+    "sin",
+    "sqrt",
+    "tan",
+    "tanh",
+    "time",
+    "where",
+    "evaluate",
+    # model and scenario
+    "Path",
+    "ProperModelError",
+    "Model",
+    "elaborate",
+    "Scenario",
+    "TableValues",
+    "read_model",
+    "write_model",
+    "read_scenario",
+    "write_scenario",
+    # compiling and running
+    "compile_model",
+    "CompiledModel",
+    "Backend",
+    "Method",
+    "simulate",
+    "Trajectory",
+    "save_trajectory",
+    "load_trajectory",
+    # activity and energy
+    "rank_activity",
+    "ActivityRanking",
+    "energy_balance",
+    "EnergyBalance",
+    # reduction
+    "plan_reduction",
+    "Reduction",
+    "Removal",
+    "ZeroEffort",
+    "ZeroFlow",
+    "ConstantEffort",
+    "ConstantFlow",
+    "Cut",
+    "Freeze",
+    "compare",
+    "Comparison",
+    "run_study",
+    "StudyOptions",
+    "ReductionStudy",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Names of the rooms that compile, run and reduce; and the version."""
+    if name == "__version__":
+        from propermodel.report.versions import package_version
+
+        value: Any = package_version()
+    elif name in _WHEN_USED:
+        value = getattr(import_module(f"propermodel.{_WHEN_USED[name]}"), name)
+    else:
+        raise AttributeError(f"module 'propermodel' has no attribute '{name}'")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -1,0 +1,42 @@
+"""Puts the commands together, and prints errors for the person who can fix them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from propermodel.cli.activity import activity
+from propermodel.cli.check import check
+from propermodel.cli.demo import demo
+from propermodel.cli.faults import Commands
+from propermodel.cli.reduce import reduce
+from propermodel.cli.run import run
+from propermodel.cli.show import show
+from propermodel.cli.version import print_version
+
+app = typer.Typer(
+    name="propermodel",
+    cls=Commands,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool, typer.Option("--version", help="Say which versions are used.", callback=print_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Physical models from bond graphs, and the simplest of them whose answers are still good."""
+
+
+app.command()(reduce)
+app.command()(run)
+app.command()(activity)
+app.command()(show)
+app.command()(check)
+app.command()(demo)

@@ -1,0 +1,46 @@
+"""How errors leave the command line: as diagnostics on stderr and an exit code, without a traceback."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import typer
+from rich.console import Console
+from rich.text import Text
+from typer.core import TyperGroup
+
+from propermodel.diagnostics import Diagnostic, ProperModelError, Severity
+
+FAULTS_FOUND = 1  # the model has faults, or a run failed
+MISUSE = 2  # what was asked for cannot be done
+INTERRUPTED = 130
+
+
+class CommandError(ProperModelError):
+    """A command was given something it cannot use."""
+
+
+class Commands(TyperGroup):
+    """The group of commands; ends with diagnostics where a command raises an error of this package."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the chosen command."""
+        try:
+            return super().invoke(ctx)
+        except ProperModelError as error:
+            print_diagnostics(error.diagnostics)
+            raise typer.Exit(MISUSE) from None
+        except OSError as error:
+            print_diagnostics([Diagnostic("command/file", f"{error.strerror or error}: {error.filename or ''}")])
+            raise typer.Exit(MISUSE) from None
+
+
+def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
+    """Print diagnostics on stderr, each as it stands, with the severity in colour."""
+    console = Console(stderr=True, soft_wrap=True, highlight=False)
+    for diagnostic in diagnostics:
+        text = Text(str(diagnostic))
+        colour = "red" if diagnostic.severity is Severity.ERROR else "yellow"
+        text.stylize(f"bold {colour}", 0, str(diagnostic).find(":"))
+        console.print(text)

@@ -1,0 +1,122 @@
+"""The options that commands share, and how their text becomes values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from enum import StrEnum
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from propermodel.cli.faults import CommandError
+from propermodel.diagnostics import Diagnostic, Faults, Path, ProperModelError, nearest, parse_path
+
+if TYPE_CHECKING:
+    from propermodel.cli.models import Subject
+
+
+class MethodName(StrEnum):
+    """The integration methods, under the names of `propermodel.compiler.Method`."""
+
+    EULER = "euler"
+    SEMI_IMPLICIT = "semi-implicit-euler"
+    RK4 = "rk4"
+
+
+ModelText = Annotated[
+    str,
+    typer.Argument(
+        metavar="MODEL", help="A name of the library (truck, half-car), file.py:Class, or the JSON document of a model."
+    ),
+]
+ScenarioText = Annotated[
+    str | None,
+    typer.Option(
+        "--scenario", help="A name, file.py:function, or the JSON document of a scenario.", metavar="SCENARIO"
+    ),
+]
+Until = Annotated[float | None, typer.Option("--until", help="End of the run, s.", metavar="S")]
+MethodOption = Annotated[MethodName | None, typer.Option("--method", help="How a step is taken.")]
+StepOption = Annotated[float | None, typer.Option("--step", help="Largest step, s.", metavar="S")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", help='A parameter by path, with its unit: body.mass="1500 kg".', metavar="PATH=VALUE"),
+]
+OutputOption = Annotated[
+    list[str] | None,
+    typer.Option("--output", help="An output by path that must stay right: body.flange.flow.", metavar="PATH"),
+]
+OutFolder = Annotated[
+    FilePath | None, typer.Option("--out", help="Folder for the files.", metavar="DIR", file_okay=False)
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")]
+
+
+def configured(
+    subject: Subject,
+    *,
+    until: float | None = None,
+    method: MethodName | None = None,
+    step: float | None = None,
+    settings: Iterable[str] | None = None,
+    outputs: Iterable[str] | None = None,
+) -> Subject:
+    """The subject with the options of the command line in place of its own.
+
+    Raises:
+        CommandError: a parameter or option does not fit the model.
+    """
+    from propermodel.compiler import Method
+
+    scenario = subject.scenario
+    if until is not None:
+        scenario = replace(scenario, stop=until)
+    given = list(settings or ())
+    if given:
+        scenario = replace(scenario, parameters={**scenario.parameters, **parse_settings(subject, given)})
+    chosen = tuple(parse_path(text) for text in outputs or ())
+    return replace(
+        subject,
+        scenario=scenario,
+        method=subject.method if method is None else Method(method.value),
+        step=subject.step if step is None else step,
+        outputs=chosen or subject.outputs,
+    )
+
+
+def parse_settings(subject: Subject, texts: Iterable[str]) -> dict[Path, float]:
+    """Values in SI of parameters written as `path=value unit`.
+
+    Raises:
+        CommandError: a text names no parameter, or its value or unit does not fit.
+    """
+    from propermodel.bondgraph.flatten import flatten
+    from propermodel.expressions.units import parse_quantity
+
+    known = flatten(subject.model).parameters
+    faults = Faults(CommandError)
+    found: dict[Path, float] = {}
+    for text in texts:
+        name, mark, value = text.partition("=")
+        path = parse_path(name.strip())
+        if not mark:
+            faults.add(Diagnostic("command/set", f"'--set {text}' has no '='", help='write --set body.mass="1500 kg"'))
+        elif path not in known:
+            faults.add(
+                Diagnostic(
+                    "simulation/unknown-parameter",
+                    f"the model has no parameter '{path}'",
+                    help=nearest(str(path), (str(p) for p in known))
+                    or "propermodel show MODEL --parameters lists them",
+                )
+            )
+        else:
+            try:
+                found[path] = parse_quantity(value, known[path].unit)
+            except ProperModelError as error:
+                for diagnostic in error.diagnostics:
+                    faults.add(replace(diagnostic, where=str(path)))
+    faults.raise_if_any()
+    return found

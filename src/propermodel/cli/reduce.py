@@ -1,0 +1,106 @@
+"""`propermodel reduce`: the simplest model whose answers are still good."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED, print_diagnostics
+from propermodel.cli.options import (
+    AsJson,
+    MethodOption,
+    ModelText,
+    OutputOption,
+    ScenarioText,
+    SetOption,
+    StepOption,
+    Until,
+    configured,
+)
+
+if TYPE_CHECKING:
+    from propermodel.cli.models import Subject
+    from propermodel.report.study import StudyOptions
+
+
+def reduce(
+    model: ModelText,
+    out: Annotated[FilePath, typer.Option("--out", help="Folder for the files.", metavar="DIR", file_okay=False)],
+    threshold: Annotated[float, typer.Option(help="The share of activity to keep.", min=0.0, max=1.0)] = 0.99,
+    scenario: ScenarioText = None,
+    until: Until = None,
+    method: MethodOption = None,
+    step: StepOption = None,
+    output: OutputOption = None,
+    settings: SetOption = None,
+    drop_driven: Annotated[
+        bool, typer.Option("--drop-driven", help="Let active parts go that act back on nothing and feed no output.")
+    ] = False,
+    tolerance: Annotated[
+        float, typer.Option(help="Largest share of a neglected term at its junction.", min=0.0)
+    ] = 0.05,
+    speed: Annotated[bool, typer.Option("--speed/--no-speed", help="Measure how much faster it is.")] = True,
+    best_steps: Annotated[
+        bool, typer.Option("--best-steps/--no-best-steps", help="Measure also at the largest good steps.")
+    ] = True,
+    as_json: AsJson = False,
+) -> None:
+    """Rank the activity of a model, remove what does not matter, and compare the reduced model with it."""
+    from propermodel.cli.models import load_subject
+    from propermodel.report.study import StudyOptions
+
+    subject = configured(
+        load_subject(model, scenario), until=until, method=method, step=step, settings=settings, outputs=output
+    )
+    options = StudyOptions(
+        threshold=threshold,
+        tolerance=tolerance,
+        drop_driven=drop_driven,
+        outputs=subject.outputs,
+        totals=subject.totals,
+        panels=subject.panels,
+        method=subject.method,
+        step=subject.step,
+        speed_repeats=5 if speed else 0,
+        best_steps=best_steps,
+    )
+    reduce_subject(subject, options, out, as_json=as_json)
+
+
+def reduce_subject(subject: Subject, options: StudyOptions, out: FilePath, *, as_json: bool) -> None:
+    """Run the study, write its files, and print it."""
+    from propermodel.cli.progress import ProgressBars
+    from propermodel.cli.tables import comparison_table, console, decisions_table, ranking_notes, study_lines
+    from propermodel.report.files import write_study
+    from propermodel.report.study import IncompleteStudy, run_study
+    from propermodel.simulation.storage import save_trajectory
+
+    out.mkdir(parents=True, exist_ok=True)
+    try:
+        with ProgressBars() as bars:
+            study = run_study(subject.model, subject.scenario, options, bars)
+            bars("writing files")
+            summary, files = write_study(study, out)
+    except IncompleteStudy as error:
+        print_diagnostics(error.diagnostics)
+        for name, run in error.runs.items():
+            save_trajectory(run, out / f"{name}.npz")
+            typer.echo(f"what was computed of the {name} run: {(out / f'{name}.npz').as_posix()}", err=True)
+        raise typer.Exit(INTERRUPTED if error.was_interrupted else FAULTS_FOUND) from None
+    if as_json:
+        typer.echo(json.dumps(summary, indent=2))
+        return
+    screen = console()
+    screen.print(decisions_table(study.reduction))
+    screen.print()
+    screen.print(comparison_table(study.comparison))
+    screen.print()
+    for line in (*study_lines(study), *ranking_notes(study.ranking)):
+        screen.print(line, markup=False)
+    screen.print()
+    width = max(len((out / file.name).as_posix()) for file in files)
+    for file in files:
+        screen.print(f"{(out / file.name).as_posix():<{width}}  {file.meaning}", markup=False)

@@ -1,0 +1,108 @@
+"""`propermodel run`: simulate a scenario."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED
+from propermodel.cli.options import (
+    AsJson,
+    MethodOption,
+    ModelText,
+    OutFolder,
+    OutputOption,
+    ScenarioText,
+    SetOption,
+    StepOption,
+    Until,
+    configured,
+)
+
+
+def run(
+    model: ModelText,
+    scenario: ScenarioText = None,
+    until: Until = None,
+    method: MethodOption = None,
+    step: StepOption = None,
+    output: OutputOption = None,
+    settings: SetOption = None,
+    record_every: Annotated[float | None, typer.Option(help="Period of recording, s.", metavar="S")] = None,
+    out: OutFolder = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate a scenario; print how it went, and write what was recorded as CSV and npz."""
+    from propermodel.analysis.balance import energy_balance
+    from propermodel.cli.models import load_subject
+    from propermodel.cli.progress import ProgressBars
+    from propermodel.cli.tables import console, plain, table
+    from propermodel.compiler import compile_model
+    from propermodel.report.study import StudyOptions, check_outputs
+    from propermodel.report.summary import write_columns
+    from propermodel.simulation.simulate import simulate
+    from propermodel.simulation.storage import save_trajectory
+    from propermodel.simulation.trajectory import RunStatus
+
+    subject = configured(
+        load_subject(model, scenario), until=until, method=method, step=step, settings=settings, outputs=output
+    )
+    compiled = compile_model(subject.model)
+    check_outputs(compiled, subject.outputs)
+    period = record_every or StudyOptions(step=subject.step).record_every(subject.scenario)
+    with ProgressBars() as bars:
+        answer = simulate(
+            compiled,
+            subject.scenario,
+            method=subject.method,
+            step=subject.step,
+            record_every=period,
+            progress=lambda progress: bars("simulating", progress),
+        )
+    shown = subject.outputs or tuple(state.path for state in compiled.system.states)
+    balance = energy_balance(answer)
+    files: list[str] = []
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        save_trajectory(answer, out / "trajectory.npz")
+        write_columns(answer, shown, out / "outputs.csv")
+        files = [(out / name).as_posix() for name in ("trajectory.npz", "outputs.csv")]
+    if as_json:
+        values = {
+            str(path): {"unit": answer.unit(path), "start": answer.at_start(path), "end": answer.at_end(path)}
+            for path in shown
+        }
+        report = {
+            "model": compiled.model.name,
+            "scenario": subject.scenario.name,
+            "status": answer.ending.status.value,
+            "message": answer.ending.message,
+            "time_s": answer.ending.time,
+            "steps": answer.statistics.steps,
+            "wall_s": answer.statistics.wall_s,
+            "energy_balance_residual": balance.relative_residual,
+            "outputs": values,
+        }
+        typer.echo(json.dumps(report, indent=2))
+    else:
+        screen = console()
+        screen.print(str(answer), markup=False)
+        screen.print(str(balance), markup=False)
+        for use in answer.outside_tables:
+            screen.print(f"outside the table {use.path} for {use.seconds:.3g} s", markup=False)
+        made = table(
+            "", "output", "start", "end", "least", "greatest", "unit", right=("start", "end", "least", "greatest")
+        )
+        for path in shown:
+            column = answer[path]
+            numbers = (answer.at_start(path), answer.at_end(path), float(column.min()), float(column.max()))
+            made.add_row(plain(path), *(f"{number:.6g}" for number in numbers), answer.unit(path))
+        screen.print(made)
+        for file in files:
+            screen.print(file, markup=False)
+    if answer.ending.status is RunStatus.INTERRUPTED:
+        raise typer.Exit(INTERRUPTED)
+    if not answer.ending.is_complete:
+        raise typer.Exit(FAULTS_FOUND)

@@ -1,0 +1,87 @@
+"""`propermodel show`: what is in a model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from propermodel.cli.options import ModelText, SetOption, parse_settings
+
+if TYPE_CHECKING:
+    from rich.table import Table
+    from rich.tree import Tree
+
+    from propermodel.cli.models import Subject
+    from propermodel.compiler import CompiledModel
+    from propermodel.modelling import Model
+
+
+def show(
+    model: ModelText,
+    tree: Annotated[bool, typer.Option("--tree", help="Parts inside parts.")] = False,
+    causality: Annotated[bool, typer.Option("--causality", help="The causal stroke of every bond, and why.")] = False,
+    equations: Annotated[bool, typer.Option("--equations", help="The equations, sorted.")] = False,
+    parameters: Annotated[bool, typer.Option("--parameters", help="Values, units, and where they are from.")] = False,
+    settings: SetOption = None,
+) -> None:
+    """Show a model: its parts, causality, equations or parameters."""
+    from propermodel.cli.models import load_subject
+    from propermodel.cli.tables import console
+    from propermodel.compiler import compile_model
+
+    subject = load_subject(model)
+    screen = console()
+    if tree or not (causality or equations or parameters):
+        screen.print(_tree(subject.model))
+    if not (causality or equations or parameters):
+        return
+    compiled = compile_model(subject.model)
+    if causality:
+        screen.print(_causality(compiled))
+    if equations:
+        screen.print(str(compiled.system), markup=False, soft_wrap=True)
+    if parameters:
+        screen.print(_parameters(compiled, subject, settings or []))
+
+
+def _tree(model: Model) -> Tree:
+    from rich.tree import Tree
+
+    from propermodel.cli.tables import plain
+
+    root = Tree(plain(f"{model.name}  {model.root.definition.type_name}"))
+    pending = [(root, model.root.definition)]
+    while pending:
+        branch, definition = pending.pop()
+        for part in definition.parts:
+            first = part.definition.doc.strip().partition("\n")[0]
+            label = f"{part.name}  {part.definition.type_name}" + (f"  {first}" if first else "")
+            pending.append((branch.add(plain(label)), part.definition))
+    return root
+
+
+def _causality(compiled: CompiledModel) -> Table:
+    from propermodel.cli.tables import plain, table
+
+    made = table(f"Causality of {compiled.model.name}", "bond", "effort into", "why", "decided by")
+    for name, stroke in compiled.system.causal.strokes.items():
+        made.add_row(plain(name), plain(stroke.effort_into), stroke.why.value, plain(stroke.cause))
+    return made
+
+
+def _parameters(compiled: CompiledModel, subject: Subject, settings: list[str]) -> Table:
+    from propermodel.cli.tables import plain, table
+    from propermodel.expressions.units import parse_unit
+    from propermodel.simulation.start import parameter_values
+
+    given = {**subject.scenario.parameters, **parse_settings(subject, settings)}
+    values = parameter_values(compiled, given)
+    made = table(
+        f"Parameters of {compiled.model.name}", "parameter", "value", "unit", "status", "source", right=("value",)
+    )
+    for path, parameter in compiled.graph.parameters.items():
+        value = values[parameter.symbol] / parse_unit(parameter.unit).factor
+        status = "given" if path in given else parameter.status
+        made.add_row(plain(path), f"{value:.6g}", parameter.unit or "1", status, plain(parameter.origin))
+    return made

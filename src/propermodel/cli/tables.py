@@ -1,0 +1,175 @@
+"""Tables for the terminal; wide and plain where the output is read by a program."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from propermodel.analysis.activity import ActivityRanking
+from propermodel.analysis.comparison import Comparison
+from propermodel.reduction.plan import Reduction, Verdict
+from propermodel.report.study import ReductionStudy
+from propermodel.report.summary import removal_text
+
+PLAIN_WIDTH = 220
+_STYLES = {Verdict.KEPT: "", Verdict.REMOVED: "green", Verdict.REFUSED: "yellow"}
+
+
+def console() -> Console:
+    """The console for results: as wide as the terminal, or wide enough for all columns."""
+    is_terminal = sys.stdout.isatty()
+    return Console(width=None if is_terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
+
+
+def table(title: str, *columns: str, right: Iterable[str] = ()) -> Table:
+    """An empty table; the first column is never wrapped."""
+    made = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for index, name in enumerate(columns):
+        made.add_column(name, justify="right" if name in right else "left", no_wrap=index == 0 or name in right)
+    return made
+
+
+def plain(text: object) -> Text:
+    """Text in which square brackets are no markup."""
+    return Text(str(text))
+
+
+def ranking_table(ranking: ActivityRanking) -> Table:
+    """The ranking of activity."""
+    start, stop = ranking.window
+    made = table(
+        f"Activity in scenario {ranking.scenario}, {start:g} to {stop:g} s",
+        "element",
+        "rank",
+        "kind",
+        "activity J",
+        "index",
+        "cumulative",
+        right=("rank", "activity J", "index", "cumulative"),
+    )
+    for number, row in enumerate(ranking.rows, 1):
+        made.add_row(
+            plain(row.path),
+            str(number),
+            row.kind,
+            f"{row.activity:.5g}",
+            f"{row.index:.3%}",
+            f"{row.cumulative:.3%}",
+        )
+    return made
+
+
+def ranking_notes(ranking: ActivityRanking) -> list[str]:
+    """What a reader of a ranking has to know."""
+    notes = [f"total activity {ranking.total:.6g} J"]
+    check = ranking.discretisation
+    if check is None:
+        notes.append("not checked with a smaller step")
+    else:
+        notes.append(
+            f"at a step of {check.refined_step:g} s instead of {check.step:g} s indices change by at most "
+            f"{check.largest_change_points:.3f} points ({check.largest_change_at})"
+        )
+    notes.extend(f"datum of {datum}" for datum in ranking.datums)
+    return notes
+
+
+def decisions_table(reduction: Reduction) -> Table:
+    """The decision on every element."""
+    made = table(
+        f"Decisions at a threshold of {reduction.threshold:.4g}",
+        "element",
+        "rank",
+        "kind",
+        "index",
+        "cumulative",
+        "decision",
+        "replacement",
+        "reason",
+        right=("rank", "index", "cumulative"),
+    )
+    for number, decision in enumerate(reduction.decisions, 1):
+        row = decision.row
+        made.add_row(
+            plain(row.path),
+            str(number),
+            row.kind,
+            f"{row.index:.3%}",
+            f"{row.cumulative:.3%}",
+            decision.verdict.value,
+            plain(decision.meaning),
+            plain(decision.reason),
+            style=_STYLES[decision.verdict],
+        )
+    return made
+
+
+def comparison_table(comparison: Comparison) -> Table:
+    """The errors of the outputs."""
+    made = table(
+        "Reduced against full; errors as shares of the range of the full run",
+        "output",
+        "rms",
+        "largest",
+        "at s",
+        "final full",
+        "final reduced",
+        "unit",
+        right=("rms", "largest", "at s", "final full", "final reduced"),
+    )
+    for error in comparison.outputs:
+        made.add_row(
+            plain(error.path),
+            f"{error.rms:.3%}",
+            f"{error.maximum:.3%}",
+            f"{error.at:.1f}",
+            f"{error.reference_final:.6g}",
+            f"{error.final:.6g}",
+            error.unit,
+        )
+    return made
+
+
+def study_lines(study: ReductionStudy) -> list[str]:
+    """The result of a study in sentences."""
+    full, reduced, reduction = study.full, study.reduced, study.reduction
+    kept, removed = len(reduction.kept), len(reduction.removed)
+    lines = [
+        f"{kept + removed} energy elements; the threshold keeps {reduction.kept_by_threshold}",
+        f"{removed} removed, {kept} kept with {reduction.kept_activity:.2%} of the activity",
+        f"{len(full.compiled.system.states)} states become {len(reduced.compiled.system.states)}",
+    ]
+    for name, path in study.options.totals.items():
+        before, after = (run.at_end(path) - run.at_start(path) for run in (full, reduced))
+        change = f" ({after / before - 1.0:+.3%})" if before else ""
+        lines.append(f"{name}: {before:.6g} {full.unit(path)} full, {after:.6g} reduced{change}")
+    lines.append(
+        f"energy balance: residual {study.full_balance.relative_residual:.1e} full, "
+        f"{study.reduced_balance.relative_residual:.1e} reduced"
+    )
+    lines.append(
+        f"{full.method}, step {full.step:g} s: {full.statistics.wall_s:.3g} s full, "
+        f"{reduced.statistics.wall_s:.3g} s reduced"
+    )
+    if study.speed is not None:
+        start, stop = study.speed.window
+        lines.append(
+            f"runs {study.speed.ratio:.2f} times as fast at the same step (median of {len(study.speed.full.runs)}, "
+            f"{start:g} to {stop:.4g} s)"
+        )
+    best = study.best_steps
+    if best is not None and best.speed is not None:
+        lines.append(
+            f"runs {best.speed.ratio:.2f} times as fast at the largest good steps: {best.full_step:g} s full, "
+            f"{best.reduced_step:g} s reduced"
+        )
+    elif best is not None:
+        lines.append("no step of the ladder was good for both models, so their largest steps are not compared")
+    lines.extend(f"note: {note}" for note in reduction.notes)
+    lines.extend(removal_text(removal) for removal in reduction.frozen)
+    lines.extend(f"outside the table {use.path} for {use.seconds:.3g} s" for use in full.outside_tables)
+    return lines

@@ -1,0 +1,1 @@
+"""The report room: the study of a reduction, and its summary, tables and figures."""

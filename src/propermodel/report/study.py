@@ -1,0 +1,225 @@
+"""The study of a reduction: full model, ranking, reduction, reduced model, and what was lost and gained."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+from propermodel.analysis.activity import ActivityRanking, rank_activity
+from propermodel.analysis.balance import EnergyBalance, energy_balance
+from propermodel.analysis.comparison import Comparison, compare
+from propermodel.compiler import CompiledModel, Method, compile_model
+from propermodel.diagnostics import Diagnostic, Path, SimulationError, nearest, parse_path
+from propermodel.modelling.model import ElementKind, Model, Scenario
+from propermodel.reduction.plan import Reduction, plan_reduction
+from propermodel.report.panels import Panel
+from propermodel.report.speed import BestSteps, Speed, measure_best_steps, measure_speed
+from propermodel.simulation.simulate import Progress, simulate
+from propermodel.simulation.start import begin
+from propermodel.simulation.trajectory import RunStatus, Trajectory
+
+StudyProgress = Callable[[str, Progress | None], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyOptions:
+    """How a study is made.
+
+    `outputs` are protected and compared. `totals` are observables whose change over the run is reported, by name
+    (`fuel_kg`). Without outputs, the efforts and flows of the most active storage are compared.
+    """
+
+    threshold: float = 0.99
+    tolerance: float = 0.05  # of the local tests
+    drop_driven: bool = False
+    outputs: tuple[Path, ...] = ()
+    totals: Mapping[str, Path] = field(default_factory=dict[str, Path])
+    panels: tuple[Panel, ...] = ()  # of the figure of the mission
+    method: Method = Method.SEMI_IMPLICIT
+    step: float = 2e-4
+    speed_repeats: int = 5  # 0: not measured
+    best_steps: bool = True
+
+    def record_every(self, scenario: Scenario) -> float:
+        """The period of recording, s: at least a thousand rows of a short scenario."""
+        return max(self.step, min(0.1, (scenario.stop - scenario.start) / 1000.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReductionStudy:
+    """All that a reduction rests on, and what it is worth."""
+
+    options: StudyOptions
+    full: Trajectory
+    refined: Trajectory  # the full model at half the step
+    ranking: ActivityRanking
+    reduction: Reduction
+    reduced: Trajectory
+    compared: tuple[Path, ...]
+    comparison: Comparison
+    full_balance: EnergyBalance
+    reduced_balance: EnergyBalance
+    speed: Speed | None
+    best_steps: BestSteps | None
+
+    @property
+    def reduced_model(self) -> CompiledModel:
+        """The reduced model."""
+        return self.reduced.compiled
+
+
+class IncompleteStudy(SimulationError):
+    """A run of a study was interrupted or failed; `runs` holds what was computed, by name."""
+
+    runs: Mapping[str, Trajectory]
+    was_interrupted: bool
+
+    @classmethod
+    def after(cls, runs: Mapping[str, Trajectory]) -> IncompleteStudy:
+        """The error for the last of these runs."""
+        name, last = list(runs.items())[-1]
+        error = cls([Diagnostic("study/incomplete", f"the {name} run {last.ending.message}", str(last.ending.path))])
+        error.runs = dict(runs)
+        error.was_interrupted = last.ending.status is RunStatus.INTERRUPTED
+        return error
+
+
+def run_study(
+    model: Model,
+    scenario: Scenario,
+    options: StudyOptions | None = None,
+    progress: StudyProgress | None = None,
+) -> ReductionStudy:
+    """Reduce a model for a scenario, and compare the reduced model with it.
+
+    Args:
+        model: The full model.
+        scenario: What it is driven through.
+        options: How.
+        progress: Called with the name of each stage, and about ten times a second during a run.
+
+    Raises:
+        ProperModelError: a stage found something wrong; `IncompleteStudy` keeps the runs made until then.
+    """
+    options = options or StudyOptions()
+    runs: dict[str, Trajectory] = {}
+
+    say = progress or _say_nothing
+
+    def run(name: str, compiled: CompiledModel, given: Scenario, step: float, *, everything: bool) -> Trajectory:
+        runs[name] = simulate(
+            compiled,
+            given,
+            method=options.method,
+            step=step,
+            record=None if everything else (),
+            record_every=options.record_every(given),
+            progress=lambda p: say(name, p),
+        )
+        if not runs[name].ending.is_complete:
+            raise IncompleteStudy.after(runs)
+        return runs[name]
+
+    say("compiling", None)
+    compiled = compile_model(model)
+    check_outputs(compiled, (*options.outputs, *options.totals.values(), *_shown(options.panels, compiled)))
+    full = run("full", compiled, scenario, options.step, everything=True)
+    refined = run("refined", compiled, scenario, options.step / 2.0, everything=False)
+    ranking = rank_activity(full, refined=refined)
+    say("reducing", None)
+    reduction = plan_reduction(
+        compiled,
+        full,
+        ranking,
+        threshold=options.threshold,
+        protected=tuple(dict.fromkeys((*options.outputs, *options.totals.values()))),
+        tolerance=options.tolerance,
+        drop_driven=options.drop_driven,
+    )
+    reduced_model = compile_model(model.without(reduction.removals))
+    fitting = fitting_scenario(reduced_model, scenario)
+    reduced = run("reduced", reduced_model, fitting, options.step, everything=True)
+    compared = options.outputs or _most_active(ranking, full, reduced)
+    speed = best = None
+    if options.speed_repeats > 0:
+        say("measuring speed", None)
+        speed = measure_speed(full, reduced, compared, options.speed_repeats)
+        if options.best_steps:
+            say("searching the largest steps", None)
+            best = measure_best_steps(full, reduced, compared, options.speed_repeats)
+    return ReductionStudy(
+        options=options,
+        full=full,
+        refined=refined,
+        ranking=ranking,
+        reduction=reduction,
+        reduced=reduced,
+        compared=compared,
+        comparison=compare(full, reduced, compared),
+        full_balance=energy_balance(full),
+        reduced_balance=energy_balance(reduced),
+        speed=speed,
+        best_steps=best,
+    )
+
+
+def _say_nothing(stage: str, progress: Progress | None) -> None:
+    pass
+
+
+def _shown(panels: tuple[Panel, ...], compiled: CompiledModel) -> tuple[Path, ...]:
+    """The observables that panels show; a table of the scenario can be shown as well."""
+    paths = [parse_path(series.path) for panel in panels for series in panel.series]
+    return tuple(path for path in paths if path not in compiled.graph.tables)
+
+
+def check_outputs(compiled: CompiledModel, outputs: tuple[Path, ...]) -> None:
+    """See before a long run that every output exists.
+
+    Raises:
+        SimulationError: some do not.
+    """
+    known = compiled.lowered.observables
+    unknown = [path for path in outputs if path not in known]
+    if unknown:
+        raise SimulationError(
+            [
+                Diagnostic(
+                    "simulation/unknown-observable",
+                    f"the model has no observable '{path}'",
+                    help=nearest(str(path), (str(p) for p in known)),
+                )
+                for path in unknown
+            ]
+        )
+
+
+def fitting_scenario(reduced: CompiledModel, scenario: Scenario) -> Scenario:
+    """The scenario without starts and inputs for what a reduced model no longer has."""
+
+    def starts(path: Path, value: float) -> bool:
+        try:
+            begin(reduced, replace(scenario, inputs={}, tables={}, parameters={}, initial={path: value}))
+        except SimulationError:
+            return False
+        return True
+
+    graph = reduced.graph
+    return replace(
+        scenario,
+        inputs={path: value for path, value in scenario.inputs.items() if path in graph.tables},
+        tables={path: value for path, value in scenario.tables.items() if path in graph.tables},
+        parameters={path: value for path, value in scenario.parameters.items() if path in graph.parameters},
+        initial={path: value for path, value in scenario.initial.items() if starts(path, value)},
+    )
+
+
+def _most_active(ranking: ActivityRanking, full: Trajectory, reduced: Trajectory) -> tuple[Path, ...]:
+    """What the most active storage gives: the effort of a compliance, the flow of an inertia."""
+    found: list[Path] = []
+    for row in ranking.rows:
+        variable = "effort" if row.kind == ElementKind.COMPLIANCE else "flow"
+        path = row.ports[0][0] / variable
+        if row.kind in (ElementKind.COMPLIANCE, ElementKind.INERTIA) and path in full and path in reduced:
+            found.append(path)
+    return tuple(found[:4])

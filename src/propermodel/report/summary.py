@@ -1,0 +1,217 @@
+"""The numbers of a study as plain data: `summary.json`, the ranking and the outputs as CSV."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+
+from propermodel.analysis.comparison import OutputError
+from propermodel.diagnostics import Path
+from propermodel.modelling.model import (
+    ConstantEffort,
+    ConstantFlow,
+    Cut,
+    Freeze,
+    Removal,
+    ZeroEffort,
+    ZeroFlow,
+)
+from propermodel.reduction.plan import Decision
+from propermodel.report.speed import BestSteps, Speed, Timing
+from propermodel.report.study import ReductionStudy
+from propermodel.report.versions import versions
+from propermodel.simulation.trajectory import Trajectory
+
+FORMAT = "propermodel-summary"
+VERSION = 1
+
+Json = Any
+
+
+def summarise(study: ReductionStudy) -> dict[str, Json]:
+    """The summary of a study as plain data."""
+    reduction, ranking = study.reduction, study.ranking
+    full, reduced = study.full, study.reduced
+    check = ranking.discretisation
+    totals = _totals(study)
+    summary: dict[str, Json] = {
+        "format": FORMAT,
+        "version": VERSION,
+        "model": full.compiled.model.name,
+        "scenario": full.scenario.name,
+        "window_s": [full.scenario.start, full.scenario.stop],
+        "method": full.method.value,
+        "step_s": full.step,
+        "energy_elements": len(ranking.rows),
+        "threshold": reduction.threshold,
+        "tolerance": reduction.tolerance,
+        "kept_by_threshold": reduction.kept_by_threshold,
+        "kept": len(reduction.kept),
+        "removed": len(reduction.removed),
+        "kept_activity": reduction.kept_activity,
+        "total_activity_J": ranking.total,
+        "datums": list(ranking.datums),
+        "states": {"full": len(full.compiled.system.states), "reduced": len(reduced.compiled.system.states)},
+        "elements": [_element(decision) for decision in reduction.decisions],
+        "removals": [removal_text(removal) for removal in reduction.removals],
+        "protected_outputs": [str(path) for path in reduction.protected],
+        "totals": totals,
+        "output_errors": {str(error.path): _output_error(error) for error in study.comparison.outputs},
+        "energy_balance_residual": {
+            "full": study.full_balance.relative_residual,
+            "reduced": study.reduced_balance.relative_residual,
+        },
+        "discretisation_check_points": None if check is None else check.largest_change_points,
+        "outside_tables_s": {str(use.path): use.seconds for use in full.outside_tables},
+        "wall_s": {
+            "full": _wall(full),
+            "reduced": _wall(reduced),
+        },
+        "speedup": None if study.speed is None else _speed(study.speed),
+        "speedup_best_steps": None if study.best_steps is None else _best_steps(study.best_steps),
+        "versions": versions(),
+    }
+    if "fuel_kg" in totals:
+        summary["fuel_kg"] = {key: totals["fuel_kg"][key] for key in ("full", "reduced", "error_percent")}
+    return _finite(summary)
+
+
+def removal_text(removal: Removal) -> str:
+    """A removal in words."""
+    match removal:
+        case ZeroEffort(bond):
+            return f"no effort at {bond}"
+        case ZeroFlow(bond):
+            return f"no flow at {bond}"
+        case ConstantEffort(bond, value):
+            return f"constant effort {value:.6g} at {bond}"
+        case ConstantFlow(bond, value):
+            return f"constant flow {value:.6g} at {bond}"
+        case Cut(bond, driven):
+            return f"one-way cut at {bond}, which receives the {driven}"
+        case Freeze(signal, value):
+            return f"signal {signal} frozen at {value:.6g}"
+
+
+def write_summary(study: ReductionStudy, file: FilePath) -> dict[str, Json]:
+    """Write `summary.json` and give its content."""
+    summary = summarise(study)
+    file.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    return summary
+
+
+def write_ranking(study: ReductionStudy, file: FilePath) -> None:
+    """Write the ranking with its decisions as CSV."""
+    names = ["rank", "path", "kind", "activity_J", "index", "cumulative", "decision", "removal", "reason"]
+    elements = (_element(decision) for decision in study.reduction.decisions)
+    _write_csv(file, names, ([n, *(e[name] for name in names[1:])] for n, e in enumerate(elements, 1)))
+
+
+def write_outputs(study: ReductionStudy, file: FilePath) -> None:
+    """Write the compared outputs of both runs over time as CSV, in SI."""
+    full, reduced = study.full, study.reduced
+    names, columns = ["time_s"], [full.time]
+    for path in study.compared:
+        names += [f"{path} [{full.unit(path)}] full", f"{path} [{full.unit(path)}] reduced"]
+        columns += [full[path], np.interp(full.time, reduced.time, reduced[path])]
+    _write_csv(file, names, np.column_stack(columns).tolist())
+
+
+def write_columns(run: Trajectory, paths: Iterable[Path], file: FilePath) -> None:
+    """Write some observables of a run over time as CSV, in SI."""
+    paths = tuple(paths)
+    names = ["time_s", *(f"{path} [{run.unit(path)}]" for path in paths)]
+    _write_csv(file, names, np.column_stack([run.time, *(run[path] for path in paths)]).tolist())
+
+
+def _write_csv(file: FilePath, names: list[str], rows: Iterable[Iterable[object]]) -> None:
+    with file.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerows([f"{v:.9g}" if isinstance(v, float) else v for v in row] for row in rows)
+
+
+def _element(decision: Decision) -> dict[str, Json]:
+    row = decision.row
+    return {
+        "path": str(row.path),
+        "kind": row.kind,
+        "activity_J": row.activity,
+        "index": row.index,
+        "cumulative": row.cumulative,
+        "decision": decision.verdict.value,
+        "removal": decision.meaning,
+        "reason": decision.reason,
+    }
+
+
+def _totals(study: ReductionStudy) -> dict[str, Json]:
+    found: dict[str, Json] = {}
+    for name, path in study.options.totals.items():
+        full = study.full.at_end(path) - study.full.at_start(path)
+        reduced = study.reduced.at_end(path) - study.reduced.at_start(path)
+        error = (reduced / full - 1.0) * 100.0 if full else None
+        unit = study.full.unit(path)
+        found[name] = {"path": str(path), "unit": unit, "full": full, "reduced": reduced, "error_percent": error}
+    return found
+
+
+def _output_error(error: OutputError) -> dict[str, Json]:
+    return {
+        "unit": error.unit,
+        "range": error.reference_range,
+        "rms": error.rms,
+        "maximum": error.maximum,
+        "maximum_at_s": error.at,
+        "final_full": error.reference_final,
+        "final_reduced": error.final,
+        "final": error.final_error,
+    }
+
+
+def _wall(run: Trajectory) -> dict[str, Json]:
+    compile_s = run.compiled.compile_s + run.statistics.build_s
+    return {"compile": compile_s, "run": run.statistics.wall_s, "steps": run.statistics.steps}
+
+
+def _timing(timing: Timing) -> dict[str, Json]:
+    return {"step_s": timing.step, "steps": timing.steps, "median_s": timing.median, "runs_s": list(timing.runs)}
+
+
+def _speed(speed: Speed) -> dict[str, Json]:
+    return {
+        "ratio": speed.ratio,
+        "window_s": list(speed.window),
+        "full": _timing(speed.full),
+        "reduced": _timing(speed.reduced),
+    }
+
+
+def _best_steps(best: BestSteps) -> dict[str, Json]:
+    return {
+        "ratio": None if best.speed is None else best.speed.ratio,
+        "window_s": list(best.window),
+        "full_step_s": best.full_step,
+        "reduced_step_s": best.reduced_step,
+        "full": None if best.speed is None else _timing(best.speed.full),
+        "reduced": None if best.speed is None else _timing(best.speed.reduced),
+    }
+
+
+def _finite(data: Json) -> Json:
+    """The data with null in place of numbers that JSON cannot hold."""
+    match data:
+        case float():
+            return data if math.isfinite(data) else None
+        case Mapping():
+            return {key: _finite(value) for key, value in data.items()}
+        case list():
+            return [_finite(value) for value in data]
+        case _:
+            return data
