@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from propermodel.expressions.core import Expr
 from propermodel.modelling import (
-    Component,
     Compliance,
+    Component,
     EffortSource,
     Electrical,
     FlowSource,

@@ -17,8 +17,8 @@ from propermodel.expressions import sqrt as root_of
 from propermodel.expressions.derivatives import directional_derivative
 from propermodel.expressions.interpret import interpret
 from propermodel.modelling import (
-    Component,
     Compliance,
+    Component,
     Controller,
     Input,
     MultiportCompliance,
@@ -50,7 +50,6 @@ from tests.parts import (
     Force,
     Gear,
     Ground,
-    Lever,
     Mass,
     Motor,
     Resistor,
@@ -86,9 +85,7 @@ class SeriesRLC(Component):
 
 def test_series_rlc():
     q, flux = 0.7, 1.3
-    point = Point(
-        equations_of(SeriesRLC()), {"coil.momentum": flux, "capacitor.displacement": q}
-    )
+    point = Point(equations_of(SeriesRLC()), {"coil.momentum": flux, "capacitor.displacement": q})
     current = flux / 0.5
     assert point.rates()["capacitor.displacement"] == approx(current)
     # The source takes the current that comes back to it, so the loop drives it with minus its voltage.
@@ -471,9 +468,7 @@ def test_locked_clutch_holds_its_slip():
 
 def test_slip_of_a_clutch_that_locks_decays():
     system = equations_of(Driveline())
-    point = Point(
-        system, {"engine.momentum": 0.3 * 101.0, "load.momentum": 1.2 * 100.0}, inputs={"pedal": 1.0}
-    )
+    point = Point(system, {"engine.momentum": 0.3 * 101.0, "load.momentum": 1.2 * 100.0}, inputs={"pedal": 1.0})
     rates = point.rates()
     assert rates["engine.momentum"] / 0.3 - rates["load.momentum"] / 1.2 == approx(-1.0 / 0.02)
 
@@ -524,9 +519,7 @@ class FieldBetweenMasses(Component):
 def test_field_in_coordinates_of_the_authors_choice():
     u, w, v1, v2 = 0.4, -0.6, 1.2, 0.9
     system = equations_of(FieldBetweenMasses())
-    point = Point(
-        system, {"field.u": u, "field.w": w, "left.momentum": v1, "right.momentum": 2.0 * v2}
-    )
+    point = Point(system, {"field.u": u, "field.w": w, "left.momentum": v1, "right.momentum": 2.0 * v2})
     q1 = u + 0.7 * w * w
     assert point.rates() == {
         "field.u": approx(v1 - 2.0 * 0.7 * w * v2),

@@ -96,6 +96,7 @@ class _Flattening:
         self.arrows: list[tuple[Path, Path, Source]] = []
         self.element_ports: list[tuple[Path, Path, str]] = []  # port path, element path, port name
         self.openings: dict[Path, Opening] = {}
+        self.scenario_ports: set[Path] = set()
         self.composites: list[Path] = []
         self.signals: dict[Expr, Expr] = {}
         self.declared_signals: dict[Expr, tuple[Direction, Source]] = {}
@@ -353,6 +354,7 @@ class _Flattening:
             source=self.model.root.definition.source,
         )
         port = element / "port"
+        self.scenario_ports.add(port)
         self.port_domain[port] = domain.name
         self.parent[port] = port
         self.union(path, port)
@@ -403,6 +405,8 @@ class _Flattening:
                 continue
             node, end = place(port), End(element, label)
             out = label == "b" and isinstance(self.elements[element].behaviour, TwoPort)
+            # What the scenario prescribes at a port acts on the component: power enters there.
+            out = out or port in self.scenario_ports
             tail, head = (end, node) if out else (node, end)
             bonds[port] = Bond(port, tail, head, self.port_domain[port])
         self.complete_domains(bonds)
@@ -454,7 +458,9 @@ class _Flattening:
                 inside = tuple(
                     bond.name
                     for bond in at[node]
-                    if bond.other(node).owner[:depth] == tuple(path) and len(bond.other(node).owner) > depth
+                    if bond.other(node).owner[:depth] == tuple(path)
+                    and len(bond.other(node).owner) > depth
+                    and bond.name not in self.scenario_ports
                 )
                 self.node_ports[port] = NodePort(node, inside, domain)
 
