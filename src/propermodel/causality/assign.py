@@ -150,10 +150,10 @@ class Assignment:
                 raise self.undetermined(self.at[path][0], Conflict(path, self.at[path]))
 
     def strong_bond(self, path: Path, kind: JunctionKind) -> Bond | None:
-        """The bond that gives a junction its common variable."""
+        """The bond that gives a junction its common variable, or may still do so."""
         wants = kind is JunctionKind.ZERO
         for bond in self.at[path]:
-            if (self.strokes[bond.name].effort_into == path) is wants:
+            if bond.name not in self.strokes or (self.strokes[bond.name].effort_into == path) is wants:
                 return bond
         return None
 
@@ -215,15 +215,9 @@ class Assignment:
             return self.implied_at_resistance(element, bonds)
         return []
 
-    def implied_at_junction(
-        self, place: Path, kind: JunctionKind, bonds: list[Bond]
-    ) -> list[tuple[Bond, Path, Why]]:
+    def implied_at_junction(self, place: Path, kind: JunctionKind, bonds: list[Bond]) -> list[tuple[Bond, Path, Why]]:
         wants = kind is JunctionKind.ZERO
-        strong = [
-            b
-            for b in bonds
-            if b.name in self.strokes and (self.strokes[b.name].effort_into == place) is wants
-        ]
+        strong = [b for b in bonds if b.name in self.strokes and (self.strokes[b.name].effort_into == place) is wants]
         if len(strong) > 1:
             raise Conflict(place, strong)
         free = [b for b in bonds if b.name not in self.strokes]
@@ -273,43 +267,53 @@ class Assignment:
 
     def explain(self, element: Element, conflict: Conflict) -> StructureError:
         """The error for a contradiction met while fixing an element."""
-        causes = dict.fromkeys(
-            [
-                conflict.place,
-                element.path,
-                *(self.strokes[b.name].cause for b in conflict.bonds if b.name in self.strokes),
-            ]
-        )
-        elements = [self.structure.elements[path] for path in causes if path in self.structure.elements]
-        junction = self.structure.junctions.get(conflict.place)
-        sources = [e for e in elements if isinstance(e.behaviour, PowerSource)]
-        involved = [Involved(str(e.path), self.role(e), e.source) for e in elements]
-        if junction is not None and len(sources) == len(elements) > 1:
-            common = "velocity or flow" if junction.kind is JunctionKind.ONE else "effort"
-            message = f"{_count(len(sources))} sources set the {common} of one junction"
+        causes = {conflict.place, element.path}
+        causes.update(self.strokes[b.name].cause for b in conflict.bonds if b.name in self.strokes)
+        elements = [e for e in self.structure.elements.values() if e.path in causes]
+        kinds = {e.kind for e in elements}
+        place = conflict.place
+        if place in self.structure.elements and kinds <= {ElementKind.EFFORT_SOURCE, ElementKind.FLOW_SOURCE}:
+            # A source that meets a stroke already there: what they contradict each other about is the junction.
+            place = self.at[place][0].other(place).owner
+        junction = self.structure.junctions.get(place)
+        if junction is not None and kinds == {_SETS[junction.kind]} and len(elements) > 1:
+            variable = self.word(self.at[place][0], junction.kind.common)
+            what = "flow" if junction.kind is JunctionKind.ONE else "effort"
+            message = f"{_count(len(elements))} {what} sources set the {variable} of one junction"
             cure = (
                 "put a compliance between them, or make one of them an effort source"
                 if junction.kind is JunctionKind.ONE
                 else "put a resistance or inertia between them, or make one of them a flow source"
             )
+        elif junction is not None and (
+            kinds == {_SETS[junction.kind.dual]} or self.strong_bond(place, junction.kind) is None
+        ):
+            variable = self.word(self.at[place][0], junction.kind.common)
+            message = f"nothing sets the {variable} of one junction: every bond prescribes its other variable"
+            what = "an inertia" if junction.kind is JunctionKind.ONE else "a compliance"
+            cure = f"connect {what}, or a resistance, whose law gives the {variable}"
         else:
-            forced = self.structure.elements.get(conflict.place, element)
+            forced = self.structure.elements.get(place, element)
             message = f"{forced.path} cannot have the causality it needs"
-            cure = (
-                "give the element a law for the other causality, or put storage between it and the cause"
-            )
-        where = f"{conflict.place} ({junction.kind}-junction)" if junction else str(conflict.place)
+            cure = "give the element a law for the other causality, or put storage between it and the cause"
+        where = f"{place} ({junction.kind}-junction)" if junction else str(place)
         source = junction.source if junction and junction.source.line else element.source
-        return StructureError(
-            [Diagnostic("causality/conflict", message, where, source, tuple(involved), cure)]
-        )
+        involved = tuple(Involved(str(e.path), self.role(e), e.source) for e in elements)
+        return StructureError([Diagnostic("causality/conflict", message, where, source, involved, cure)])
+
+    def word(self, bond: Bond, variable: Variable) -> str:
+        """What an effort or flow is called in the domain of a bond."""
+        domain = self.graph.domains.get(bond.domain)
+        if domain is None:
+            return variable.value
+        return domain.effort if variable is Variable.EFFORT else domain.flow
 
     def role(self, element: Element) -> str:
         """What an element does in a conflict."""
         if element.kind is ElementKind.FLOW_SOURCE:
-            return "prescribes its flow"
+            return f"prescribes its {self.word(self.at[element.path][0], Variable.FLOW)}"
         if element.kind is ElementKind.EFFORT_SOURCE:
-            return "prescribes its effort"
+            return f"prescribes its {self.word(self.at[element.path][0], Variable.EFFORT)}"
         if isinstance(element.behaviour, Resistive) and len(element.behaviour.laws) == 1:
             given = (f"{result.port}.{result.variable}" for result in element.behaviour.laws[0].results)
             return f"offers a law for {' and '.join(given)} only"
@@ -334,9 +338,7 @@ class Assignment:
         """The error for a junction that nothing determines."""
         junction = self.structure.junctions.get(conflict.place)
         kind = f" ({junction.kind}-junction)" if junction else ""
-        around = [
-            b.other(conflict.place) for b in conflict.bonds if conflict.place in (b.tail.owner, b.head.owner)
-        ]
+        around = [b.other(conflict.place) for b in conflict.bonds if conflict.place in (b.tail.owner, b.head.owner)]
         involved = tuple(Involved(str(end.path), "meets it") for end in around)
         return StructureError(
             [
@@ -350,6 +352,10 @@ class Assignment:
                 )
             ]
         )
+
+
+# The sources that set the common variable of a junction.
+_SETS = {JunctionKind.ZERO: ElementKind.EFFORT_SOURCE, JunctionKind.ONE: ElementKind.FLOW_SOURCE}
 
 
 def _count(number: int) -> str:

@@ -51,9 +51,7 @@ class CausalGraph:
         lines = [f"causality of {self.graph.model.name}"]
         width = max((len(str(name)) for name in self.strokes), default=0)
         for name, stroke in self.strokes.items():
-            lines.append(
-                f"  {name!s:<{width}}  effort into {stroke.effort_into}: {stroke.why} ({stroke.cause})"
-            )
+            lines.append(f"  {name!s:<{width}}  effort into {stroke.effort_into}: {stroke.why} ({stroke.cause})")
         if self.derivative:
             lines.append("dependent storage: " + ", ".join(str(path) for path in self.derivative))
         return "\n".join(lines)
