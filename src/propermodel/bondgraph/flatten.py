@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 from propermodel.bondgraph.graph import (
@@ -390,11 +391,15 @@ class _Flattening:
         def domain_of(*paths: Path) -> str:
             return next((self.port_domain[p] for p in paths if p in self.port_domain), "")
 
+        reached = Counter(port for tail, head, _ in self.arrows for port in (tail, head))
         for tail, head, _ in self.arrows:
-            # A port of an element that only arrows reach needs no node of its own.
+            # A port of an element that only this arrow reaches needs no node of its own, if the arrow has the element's
+            # sense; otherwise it starts or ends at a node, and the element hangs there with its own sense.
             ends = [
-                End(*terminals[p]) if p in terminals and self.find(p) == p and not self.has_others(p) else place(p)
-                for p in (tail, head)
+                End(*terminals[p])
+                if p in terminals and reached[p] == 1 and not self.has_others(p) and self.has_sense(*terminals[p], into)
+                else place(p)
+                for p, into in ((tail, False), (head, True))
             ]
             name = next((p for p in (head, tail) if p in terminals and ends[(tail, head).index(p)].port), None)
             if name is None:
@@ -413,6 +418,13 @@ class _Flattening:
         structure = Structure(self.elements, junctions, bonds)
         self.find_node_ports(structure)
         return structure
+
+    def has_sense(self, element: Path, port: str, into: bool) -> bool:
+        """Whether the law of an element holds for a half arrow that points into it (or away from it)."""
+        behaviour = self.elements[element].behaviour
+        if isinstance(behaviour, PowerSource):
+            return True
+        return into is not (isinstance(behaviour, TwoPort) and port == "b")
 
     def has_others(self, port: Path) -> bool:
         """Whether a node holds more than this one port."""
