@@ -7,7 +7,7 @@ power is positive into it. An element between two ports has the pressure of `a` 
 
 from propermodel.library.hydraulics.components import GasVessel, Leakage, LineResistance, OilChamber, Orifice
 from propermodel.library.hydraulics.fluids import NITROGEN, BenedictWebbRubin
-from propermodel.library.hydraulics.machines import Displacement, PumpMotor, TorqueLoss, VolumetricLoss
+from propermodel.library.hydraulics.machines import Displacement, PumpMotor, TorqueLoss, UnitFriction, VolumetricLoss
 from propermodel.library.hydraulics.sensors import FlowSensor, PressureSensor
 from propermodel.library.hydraulics.sources import OpenTank, PressureSource, VolumeFlowSource
 
@@ -26,6 +26,7 @@ __all__ = [
     "PressureSource",
     "PumpMotor",
     "TorqueLoss",
+    "UnitFriction",
     "VolumeFlowSource",
     "VolumetricLoss",
 ]

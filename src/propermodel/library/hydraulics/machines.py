@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from propermodel.expressions import Expr, minimum, sign, sqrt, tanh
 from propermodel.library.mechanics.rotation.components import RotatingInertia
 from propermodel.modelling import (
@@ -34,6 +36,28 @@ class Displacement(Transformer):
         return self.stroke * self.displacement
 
 
+@dataclass(frozen=True, kw_only=True)
+class UnitFriction:
+    """The three parts of a unit's friction torque at full stroke (Wilson's model; Pourmovahed et al. 1992)."""
+
+    displacement: Expr
+    viscous: Expr  # coefficient times viscosity
+    coulomb: Expr
+    hydrodynamic: Expr  # coefficient times density
+
+    def viscous_torque(self, speed: Expr) -> Expr:
+        """Viscous drag, which stays at zero stroke."""
+        return self.displacement * self.viscous * abs(speed)
+
+    def pressure_torque(self, pressure: Expr) -> Expr:
+        """Friction of the loaded surfaces."""
+        return self.displacement * self.coulomb * abs(pressure)
+
+    def hydrodynamic_torque(self, speed: Expr) -> Expr:
+        """Churning and throttling, which grow with the square of speed."""
+        return 0.5 * self.hydrodynamic * speed * speed * self.displacement ** (5.0 / 3.0)
+
+
 class TorqueLoss(Resistance):
     """Viscous, pressure-dependent and hydrodynamic friction (Wilson's model; Pourmovahed et al. 1992).
 
@@ -53,16 +77,20 @@ class TorqueLoss(Resistance):
     isolation_width: Parameter = parameter("1", default=0.02, low=0.0, status="estimated")
     width: Parameter = parameter("rad/s", default=1.0, low=0.0, status="estimated", doc="of the sign of speed")
 
-    def size(self, flow: Expr) -> Expr:
-        """The loss torque without the sign of speed."""
-        D, s = self.displacement, abs(self.stroke)
-        viscous = D * self.viscous * self.viscosity * abs(flow)
-        coulomb = minimum(1.0, s / self.isolation_width) * D * self.coulomb * abs(self.pressure)
-        hydrodynamic = 0.5 * s * self.hydrodynamic * self.density * flow * flow * D ** (5.0 / 3.0)
-        return viscous + coulomb + hydrodynamic
-
     def effort(self, flow: Expr) -> Expr:
-        return self.size(flow) * tanh(flow / self.width)
+        friction = UnitFriction(
+            displacement=self.displacement,
+            viscous=self.viscous * self.viscosity,
+            coulomb=self.coulomb,
+            hydrodynamic=self.hydrodynamic * self.density,
+        )
+        valve = minimum(1.0, abs(self.stroke) / self.isolation_width)
+        size = (
+            friction.viscous_torque(flow)
+            + valve * friction.pressure_torque(self.pressure)
+            + abs(self.stroke) * friction.hydrodynamic_torque(flow)
+        )
+        return size * tanh(flow / self.width)
 
 
 class VolumetricLoss(Resistance):
