@@ -1,0 +1,28 @@
+"""Builds the machine that runs a program."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from propermodel.codegen.interpreted import InterpretedMachine
+from propermodel.codegen.machine import Machine, Method
+from propermodel.codegen.native import NativeMachine
+from propermodel.codegen.program import Program
+
+
+class Backend(StrEnum):
+    """What executes a program."""
+
+    NATIVE = "native"  # compiled by LLVM
+    INTERPRETED = "interpreted"  # NumPy, some hundred times slower
+
+
+def build_machine(
+    program: Program, method: Method, lanes: int = 1, backend: Backend = Backend.NATIVE
+) -> Machine:
+    """The machine for a program; `lanes` runs are done side by side."""
+    if lanes < 1:
+        raise ValueError(f"a machine has at least one lane, not {lanes}")
+    if backend is Backend.INTERPRETED:
+        return InterpretedMachine(program, method, lanes)
+    return NativeMachine(program, method, lanes)

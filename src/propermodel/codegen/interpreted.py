@@ -1,0 +1,573 @@
+"""The interpreted machine: the same program evaluated node by node with NumPy, as fallback and oracle.
+
+A value is a float64, or an array of one per lane; the order of operations is that of the native code.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from propermodel.codegen.dense import solve_dense
+from propermodel.codegen.machine import (
+    QUADRATURE,
+    SAME_INSTANT,
+    STEPS_BETWEEN_CHECKS,
+    Failure,
+    FloatArray,
+    IntArray,
+    Memory,
+    Method,
+    Outcome,
+    Request,
+    Status,
+    check_memory,
+    check_request,
+    count_from,
+    instant,
+    not_converged,
+    sample_periods,
+    state_failures,
+)
+from propermodel.codegen.program import Array, Extrapolation, Function, Program, Solve
+from propermodel.codegen.reciprocals import with_reciprocals
+from propermodel.codegen.schedule import (
+    Call,
+    Compute,
+    Item,
+    Store,
+    leaf_slot,
+    number_solves,
+    power_plan,
+    sequence,
+    whole_power,
+)
+from propermodel.codegen.tables import PreparedTable, prepare_tables
+from propermodel.expressions.core import Expr, Op
+
+Number = Any  # np.float64, or an array with one entry per lane
+MOST_HALVINGS = 5
+
+
+def _multiply(a: Number, b: Number) -> Number:
+    return a * b
+
+
+def _power(exponent: float) -> Callable[[Number], Number]:
+    plan = power_plan(exponent)
+    if plan is None:
+        return lambda base: np.power(base, exponent)
+
+    def by_multiplication(base: Number) -> Number:
+        result = whole_power(base, plan.whole, _multiply) if plan.whole else None
+        if plan.has_root:
+            result = np.sqrt(base) if result is None else result * np.sqrt(base)
+        return 1.0 / result if plan.is_inverse else result
+
+    return by_multiplication
+
+
+def _choose(condition: Number, a: Number, b: Number) -> Number:
+    return np.where(condition, a, b)[()]
+
+
+def _sign(a: Number) -> Number:
+    return _choose(a > 0.0, 1.0, _choose(a < 0.0, -1.0, 0.0))
+
+
+FUNCTIONS: dict[Op, Callable[..., Number]] = {
+    Op.ADD: lambda a, b: a + b,
+    Op.SUBTRACT: lambda a, b: a - b,
+    Op.MULTIPLY: _multiply,
+    Op.DIVIDE: lambda a, b: a / b,
+    Op.NEGATE: lambda a: -a,
+    Op.ABSOLUTE: abs,
+    Op.SIGN: _sign,
+    Op.SQUARE_ROOT: np.sqrt,
+    Op.EXPONENTIAL: np.exp,
+    Op.LOGARITHM: np.log,
+    Op.SINE: np.sin,
+    Op.COSINE: np.cos,
+    Op.TANH: np.tanh,
+    Op.ARCTANGENT: np.arctan2,
+    Op.FLOOR: np.floor,
+    Op.MINIMUM: lambda a, b: _choose(a <= b, a, b),
+    Op.MAXIMUM: lambda a, b: _choose(a >= b, a, b),
+    Op.LESS: lambda a, b: a < b,
+    Op.LESS_EQUAL: lambda a, b: a <= b,
+    Op.EQUAL: lambda a, b: a == b,
+    Op.AND: lambda a, b: a & b,
+    Op.OR: lambda a, b: a | b,
+    Op.NOT: np.logical_not,
+    Op.WHERE: _choose,
+}
+# Arguments that are conditions stay true or false there; everywhere else they count as 1 or 0.
+_TRUTHS = {Op.AND: 2, Op.OR: 2, Op.NOT: 1, Op.WHERE: 1}
+
+
+class _Run:
+    """What functions read and write during one call."""
+
+    def __init__(self, program: Program, lanes: int, memory: Memory) -> None:
+        def zeros(array: Array) -> FloatArray:
+            count = program.layout.lengths.get(array, 0)
+            return np.zeros((count,) if lanes == 1 else (count, lanes))
+
+        self.memory = memory
+        self.lanes = lanes
+        self.time = memory.time
+        self.tables = prepare_tables(program, memory.tables)
+        self.failures: list[Failure] = []
+        self.arrays: dict[Array, FloatArray] = {
+            Array.STATE: memory.state,
+            Array.DISCRETE: memory.discrete,
+            Array.PARAMETER: memory.parameter,
+            Array.UNKNOWN: memory.unknown,
+            Array.RATE: zeros(Array.RATE),
+            Array.POWER: zeros(Array.POWER),
+            Array.SIGNAL: zeros(Array.SIGNAL),
+        }
+
+    def fail(self, lanes: Sequence[int], number: int) -> None:
+        """Record that an implicit block has no solution in some lanes."""
+        for lane in lanes:
+            self.failures.append(Failure(lane, Status.NOT_CONVERGED, self.time, number))
+            self.memory.alive[lane] = False
+
+
+class _AllFailed(Exception):
+    """No lane is alive."""
+
+
+class _Code:
+    """A function as a list of steps on a table of values."""
+
+    def __init__(self, program: Program, function: Function, numbers: dict[Solve, int]) -> None:
+        self._layout = program.layout
+        self._items: list[Item] = sequence(function, numbers, lambda _: False)
+        self._operations: dict[Expr, Callable[[_Run, dict[Expr, Number]], Number]] = {}
+        for item in self._items:
+            if isinstance(item, Compute):
+                self._prepare(item.node)
+            elif isinstance(item, Call):
+                for node in item.inner:
+                    self._prepare(node)
+
+    def __call__(self, run: _Run) -> None:
+        """Execute the function."""
+        values: dict[Expr, Number] = {}
+        stores: list[tuple[FloatArray, int, Number]] = []
+        for item in self._items:
+            if isinstance(item, Compute):
+                values[item.node] = self._operations[item.node](run, values)
+            elif isinstance(item, Store):
+                value = self._number(run, values, item.value)
+                stores.append((run.arrays[item.slot.array], item.slot.index, value))
+            else:
+                self._solve(run, values, item)
+        for array, index, value in stores:
+            array[index] = value
+
+    def _value(self, run: _Run, values: dict[Expr, Number], node: Expr) -> Number:
+        if node in values:
+            return values[node]
+        if node.op is Op.CONSTANT:
+            return np.float64(node.data[0])
+        slot = leaf_slot(self._layout, node)
+        if slot.array is Array.TIME:
+            return np.float64(run.time)
+        entry = run.arrays[slot.array][slot.index]
+        value = values[node] = entry.copy() if run.lanes > 1 else entry
+        return value
+
+    def _number(self, run: _Run, values: dict[Expr, Number], node: Expr) -> Number:
+        value = self._value(run, values, node)
+        return value * 1.0 if node.is_condition else value
+
+    def _truth(self, run: _Run, values: dict[Expr, Number], node: Expr) -> Number:
+        value = self._value(run, values, node)
+        return value if node.is_condition else value != 0.0
+
+    def _prepare(self, node: Expr) -> None:
+        if node.op in (Op.LOOKUP, Op.SLOPE):
+            self._operations[node] = self._lookup(node)
+            return
+        function = _power(node.args[1].data[0]) if node.op is Op.POWER else FUNCTIONS[node.op]
+        args = node.args[:1] if node.op is Op.POWER else node.args
+        truths = _TRUTHS.get(node.op, 0)
+        readers = [(self._truth if i < truths else self._number, arg) for i, arg in enumerate(args)]
+
+        def operation(run: _Run, values: dict[Expr, Number]) -> Number:
+            return function(*(read(run, values, arg) for read, arg in readers))
+
+        self._operations[node] = operation
+
+    def _lookup(self, node: Expr) -> Callable[[_Run, dict[Expr, Number]], Number]:
+        index = self._layout.table_index[node.args[0]]
+        holds = self._layout.tables[index].extrapolation is Extrapolation.HOLD
+        coordinates = node.args[1:]
+        axis = None if node.op is Op.LOOKUP else int(node.data)
+
+        def operation(run: _Run, values: dict[Expr, Number]) -> Number:
+            given = [self._number(run, values, item) for item in coordinates]
+            return interpolate(run.tables[index], given, holds, axis)
+
+        return operation
+
+    def _solve(self, run: _Run, values: dict[Expr, Number], call: Call) -> None:
+        solve = call.solve
+        slots = [leaf_slot(self._layout, unknown).index for unknown in solve.unknowns]
+        unknown = run.arrays[Array.UNKNOWN]
+        start = [unknown[index].copy() if run.lanes > 1 else unknown[index] for index in slots]
+
+        def evaluate(at: list[Number]) -> tuple[list[Number], list[list[Number]]]:
+            local = dict(values)
+            local.update(zip(solve.unknowns, at, strict=True))
+            for node in call.inner:
+                local[node] = self._operations[node](run, local)
+            residuals = [self._number(run, local, item) for item in solve.residuals]
+            return residuals, [[self._number(run, local, item) for item in row] for row in solve.jacobian]
+
+        active = np.array(run.memory.alive) if run.lanes > 1 else np.True_
+        solution, failed = newton(call, start, active, evaluate)
+        for index, node, first, last in zip(slots, solve.unknowns, start, solution, strict=True):
+            unknown[index] = _choose(failed, first, last)
+            values[node] = unknown[index].copy() if run.lanes > 1 else unknown[index]
+        if np.any(failed):
+            run.fail([int(lane) for lane in np.flatnonzero(failed)], call.number)
+
+
+def interpolate(table: PreparedTable, given: Sequence[Number], holds: bool, axis: int | None) -> Number:
+    """The value of a table at coordinates, or its slope along one axis."""
+    cells: list[Any] = []
+    away: list[Number] = []
+    for item, grid in zip(given, table.axes, strict=True):
+        # Not-a-number belongs to cell 0, although NumPy sorts it last.
+        cell = np.where(np.isnan(item), 0, np.searchsorted(grid.grid, item, side="right"))
+        cells.append(cell)
+        if holds:
+            item = _choose(item < grid.grid[0], grid.grid[0], item)
+            item = _choose(item > grid.grid[-1], grid.grid[-1], item)
+        away.append(item - grid.pairs[cell, 1][()])
+    c = np.moveaxis(table.cells[tuple(cells)], -1, 0)
+    if len(cells) == 1:
+        return c[0] + c[1] * away[0] if axis is None else c[1]
+    if axis is None:
+        return (c[0] + c[1] * away[0]) + (c[2] + c[3] * away[0]) * away[1]
+    return c[1] + c[3] * away[1] if axis == 0 else c[2] + c[3] * away[0]
+
+
+class _Lanes:
+    """The arithmetic of elimination on numbers."""
+
+    def subtract_product(self, a: Number, b: Number, c: Number) -> Number:
+        return a - b * c
+
+    def divide(self, a: Number, b: Number) -> Number:
+        return a / b
+
+    def swapped_if_larger(self, a: list[Number], b: list[Number]) -> tuple[list[Number], list[Number]]:
+        is_larger = abs(b[0]) > abs(a[0])
+        first = [_choose(is_larger, y, x) for x, y in zip(a, b, strict=True)]
+        return first, [_choose(is_larger, x, y) for x, y in zip(a, b, strict=True)]
+
+
+Evaluate = Callable[[list[Number]], tuple[list[Number], list[list[Number]]]]
+
+
+def newton(call: Call, start: list[Number], active: Number, evaluate: Evaluate) -> tuple[list[Number], Number]:
+    """The solution of an implicit block and the lanes without one; see `llvm_newton.py` for the method."""
+    solve = call.solve
+    if call.is_affine:
+        residuals, jacobian = evaluate(start)
+        solution = [x - d for x, d in zip(start, solve_dense(jacobian, residuals, _Lanes()), strict=True)]
+        is_good = np.all([abs(x) < math.inf for x in solution], axis=0)
+        return solution, active & ~is_good
+    x, rest = _iterate(solve, start, active, evaluate)
+    if np.any(rest):
+        x = [_choose(rest, 0.0, item) for item in x]
+        x, rest = _iterate(solve, x, rest, evaluate)
+    return x, rest
+
+
+def _iterate(solve: Solve, x: list[Number], active: Number, evaluate: Evaluate) -> tuple[list[Number], Number]:
+    residuals, jacobian = evaluate(x)
+    for count in range(1, solve.most_iterations + 1):
+        step = solve_dense(jacobian, residuals, _Lanes())
+        moved = [here - d for here, d in zip(x, step, strict=True)]
+        allowed = [solve.tolerance * (abs(there) + s) for there, s in zip(moved, solve.scales, strict=True)]
+        is_small = np.all([abs(d) <= most for d, most in zip(step, allowed, strict=True)], axis=0)
+        x = [_choose(active & is_small, there, here) for there, here in zip(moved, x, strict=True)]
+        active = active & ~is_small
+        if not np.any(active) or count == solve.most_iterations:
+            break
+        weights = _weights(solve, jacobian)
+        norm = _norm(weights, residuals)
+        factor: Number = np.ones_like(active, dtype=np.float64)[()]
+        halvings = 0
+        while True:
+            tried = [_choose(active, here - factor * d, here) for here, d in zip(x, step, strict=True)]
+            residuals, jacobian = evaluate(tried)
+            grew = active & ~(_norm(weights, residuals) <= norm)
+            if not np.any(grew) or halvings == MOST_HALVINGS:
+                break
+            factor = _choose(grew, factor * 0.5, factor)
+            halvings += 1
+        x = tried
+    return x, active
+
+
+def _weights(solve: Solve, jacobian: list[list[Number]]) -> list[Number]:
+    if len(jacobian) == 1:
+        return [1.0]
+    weights: list[Number] = []
+    for row in jacobian:
+        total: Number = 0.0
+        for entry, scale in zip(row, solve.scales, strict=True):
+            total = total + abs(entry) * (scale or 1.0)
+        weights.append(1.0 / total)
+    return weights
+
+
+def _norm(weights: list[Number], residuals: list[Number]) -> Number:
+    total: Number = 0.0
+    for weight, residual in zip(weights, residuals, strict=True):
+        weighed = weight * residual
+        total = total + weighed * weighed
+    return total
+
+
+class InterpretedMachine:
+    """Runs a program with NumPy."""
+
+    def __init__(self, program: Program, method: Method, lanes: int = 1) -> None:
+        self._program = program
+        program = with_reciprocals(program)
+        numbers = number_solves(program)
+        self._method = method
+        self._lanes = lanes
+        self._rates = _Code(program, program.rates, numbers)
+        self._displacement_rates = _Code(program, program.displacement_rates, numbers)
+        self._observe = _Code(program, program.observe, numbers)
+        self._samples = [_Code(program, function, numbers) for function in program.samples]
+        self._momenta: IntArray = np.array(program.layout.momenta, dtype=np.int64)
+        count = program.layout.lengths.get(Array.STATE, 0)
+        self._others: IntArray = np.setdiff1d(np.arange(count), self._momenta)
+
+    @property
+    def program(self) -> Program:
+        """The program it executes."""
+        return self._program
+
+    @property
+    def method(self) -> Method:
+        """How it takes a step."""
+        return self._method
+
+    @property
+    def lanes(self) -> int:
+        """How many runs it does side by side."""
+        return self._lanes
+
+    def run(self, memory: Memory, request: Request) -> Outcome:
+        """Continue the run in `memory` as requested."""
+        check_memory(self._program, self._lanes, memory)
+        check_request(self._program, memory, request)
+        with np.errstate(all="ignore"):
+            return _Loop(self, memory, request).run()
+
+    def rates(self, memory: Memory) -> tuple[FloatArray, FloatArray]:
+        """The RATE and POWER arrays at the memory's time; the memory is not changed."""
+        run = self._evaluated(memory.copy(), [self._rates])
+        return run.arrays[Array.RATE], run.arrays[Array.POWER]
+
+    def observe(self, memory: Memory) -> FloatArray:
+        """The SIGNAL array at the memory's time; the memory is not changed."""
+        return self._evaluated(memory.copy(), [self._observe]).arrays[Array.SIGNAL]
+
+    def sample(self, memory: Memory) -> None:
+        """Apply all controllers once, by rate, without counting a sample."""
+        self._evaluated(memory, self._samples)
+
+    def _evaluated(self, memory: Memory, codes: Sequence[_Code]) -> _Run:
+        check_memory(self._program, self._lanes, memory)
+        run = _Run(self._program, self._lanes, memory)
+        if self._lanes == 1:
+            memory.alive[:] = True
+        with np.errstate(all="ignore"):
+            for code in codes:
+                code(run)
+        if run.failures:
+            raise not_converged(self._program, run.failures[0])
+        return run
+
+    def evaluate(self, run: _Run, code: _Code, time: float) -> None:
+        """Execute a function at a time.
+
+        Raises:
+            _AllFailed: an implicit block has no solution in the last lane alive.
+        """
+        run.time = time
+        code(run)
+        if not run.memory.alive.any():
+            raise _AllFailed
+
+    def sample_one(self, run: _Run, k: int, time: float) -> None:
+        """Apply the controllers of one rate."""
+        self.evaluate(run, self._samples[k], time)
+
+    def signals(self, run: _Run, time: float) -> FloatArray:
+        """All signals; the start of the next iteration is not changed by it."""
+        kept = run.memory.unknown.copy()
+        self.evaluate(run, self._observe, time)
+        run.memory.unknown[...] = kept
+        return run.arrays[Array.SIGNAL]
+
+    def step(self, run: _Run, time: float, h: float) -> None:
+        """Advance the states and the integrals by one step."""
+        state, rate = run.arrays[Array.STATE], run.arrays[Array.RATE]
+        self.evaluate(run, self._rates, time)
+        self._integrate(run, h, 0)
+        match self._method:
+            case Method.EULER:
+                state += rate * h
+            case Method.SEMI_IMPLICIT:
+                state[self._momenta] += rate[self._momenta] * h
+                self.evaluate(run, self._displacement_rates, time + h)
+                state[self._others] += rate[self._others] * h
+            case Method.RK4:
+                start, total, half = state.copy(), rate.copy(), h * 0.5
+                for stage, (at, factor) in enumerate(((time + half, half), (time + half, half), (time + h, h)), 1):
+                    state[...] = start + rate * factor
+                    self.evaluate(run, self._rates, at)
+                    self._integrate(run, h, stage)
+                    total += rate * (2.0 if stage < 3 else 1.0)
+                state[...] = start + total * (h * (1.0 / 6.0))
+
+    def _integrate(self, run: _Run, h: float, stage: int) -> None:
+        part = run.arrays[Array.POWER] * (h * QUADRATURE[self._method][stage])
+        run.memory.integral += part
+        run.memory.activity += abs(part)
+
+
+class _Loop:
+    """One call of `run`."""
+
+    def __init__(self, machine: InterpretedMachine, memory: Memory, request: Request) -> None:
+        self._machine = machine
+        self._memory = memory
+        self._request = request
+        self._periods = sample_periods(machine.program, memory)
+        self._run = _Run(machine.program, machine.lanes, memory)
+        self._row_times: list[float] = []
+        self._rows: list[FloatArray] = []
+        self._integral_times: list[float] = []
+        self._integrals: list[FloatArray] = []
+        self._activities: list[FloatArray] = []
+        self._near = request.step * SAME_INSTANT
+        memory.rows_taken = count_from(memory, request, memory.rows_taken, request.row_period)
+        memory.integral_rows_taken = count_from(
+            memory, request, memory.integral_rows_taken, request.integral_period
+        )
+        if machine.lanes == 1:
+            memory.alive[:] = True
+
+    def run(self) -> Outcome:
+        memory, request = self._memory, self._request
+        ticks = request.most_ticks
+        try:
+            while True:
+                if not self._has_room():
+                    return self._outcome(Status.PAUSED)
+                self._do_instant()
+                if memory.time + self._near >= request.until:
+                    return self._outcome(Status.FINISHED)
+                if ticks == 0:
+                    return self._outcome(Status.PAUSED)
+                ticks -= 1
+                self._do_steps()
+                self._check()
+        except _AllFailed:
+            return self._outcome(None)
+
+    def _row_due(self) -> float:
+        return instant(self._memory.origin, self._memory.rows_taken, self._request.row_period)
+
+    def _integral_due(self) -> float:
+        return instant(self._memory.origin, self._memory.integral_rows_taken, self._request.integral_period)
+
+    def _sample_due(self, k: int) -> float:
+        return instant(self._memory.origin, int(self._memory.samples_taken[k]), self._periods[k])
+
+    def _is_due(self, at: float) -> bool:
+        return at <= self._memory.time + self._near
+
+    def _has_room(self) -> bool:
+        most = self._request.most_rows
+        return not (
+            (self._is_due(self._row_due()) and len(self._rows) >= most)
+            or (self._is_due(self._integral_due()) and len(self._integrals) >= most)
+        )
+
+    def _do_instant(self) -> None:
+        memory = self._memory
+        for k in range(len(self._periods)):
+            if self._is_due(self._sample_due(k)):
+                self._machine.sample_one(self._run, k, memory.time)
+                memory.samples_taken[k] += 1
+        if self._is_due(self._row_due()):
+            signals = self._machine.signals(self._run, memory.time)
+            self._row_times.append(memory.time)
+            self._rows.append(signals[self._request.selected].copy())
+            memory.rows_taken += 1
+        if self._is_due(self._integral_due()):
+            self._integral_times.append(memory.time)
+            self._integrals.append(memory.integral.copy())
+            self._activities.append(memory.activity.copy())
+            memory.integral_rows_taken += 1
+
+    def _do_steps(self) -> None:
+        memory, request = self._memory, self._request
+        start = memory.time
+        dues = [request.until, self._row_due(), self._integral_due()]
+        end = min(*dues, *(self._sample_due(k) for k in range(len(self._periods))))
+        count = max(1, math.ceil((end - start) / request.step - SAME_INSTANT))
+        h = (end - start) / count
+        for i in range(count):
+            memory.time = start + i * h
+            self._machine.step(self._run, memory.time, h)
+            memory.steps_taken += 1
+            if (i + 1) % STEPS_BETWEEN_CHECKS == 0 and len(state_failures(memory)) == memory.alive.sum():
+                memory.time = start + (i + 1) * h
+                self._check()
+        memory.time = end
+
+    def _check(self) -> None:
+        for failure in state_failures(self._memory):
+            self._run.failures.append(failure)
+            self._memory.alive[failure.lane] = False
+        if not self._memory.alive.any():
+            raise _AllFailed
+
+    def _outcome(self, status: Status | None) -> Outcome:
+        failures = self._run.failures
+        shape = self._memory.integral.shape
+
+        def stacked(rows: list[FloatArray], shape: tuple[int, ...]) -> FloatArray:
+            return np.array(rows).reshape(len(rows), *shape)
+
+        selected = (self._request.selected.size, *shape[1:])
+        return Outcome(
+            status=status or failures[0].status,
+            time=self._memory.time,
+            index=-1 if status else failures[0].index,
+            row_times=np.array(self._row_times),
+            rows=stacked(self._rows, selected),
+            integral_times=np.array(self._integral_times),
+            integrals=stacked(self._integrals, shape),
+            activities=stacked(self._activities, shape),
+            failures=tuple(failures),
+        )

@@ -1,0 +1,181 @@
+# pyright: basic
+"""Prints the functions of a program, cut into pieces that LLVM compiles in linear time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from propermodel.codegen.llvm_block import Block
+from propermodel.codegen.llvm_newton import write_newton
+from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Module
+from propermodel.codegen.program import Array, Function, Program
+from propermodel.codegen.schedule import (
+    Call,
+    Compute,
+    Level,
+    Order,
+    Store,
+    frontier,
+    node_levels,
+    number_solves,
+    sequence,
+)
+from propermodel.expressions.core import Expr, Op
+
+MOST_INSTRUCTIONS = 2000
+_WEIGHTS = {Op.LOOKUP: 20, Op.SLOPE: 5, Op.POWER: 3, Op.SIGN: 4, Op.MINIMUM: 2, Op.MAXIMUM: 2}
+
+
+@dataclass(frozen=True, slots=True)
+class StoreRow:
+    """Store the value of a node in a row."""
+
+    row: int
+    value: Expr
+
+
+Item = Compute | StoreRow | Call
+
+
+@dataclass
+class Piece:
+    """What one LLVM function computes, and what it does at its end."""
+
+    items: list[Item] = field(default_factory=list)
+    late: list[StoreRow] = field(default_factory=list)
+    weight: int = 0
+
+
+class Writer:
+    """Writes the functions of one program into a module."""
+
+    def __init__(self, module: Module, program: Program, most_instructions: int = MOST_INSTRUCTIONS) -> None:
+        self.module = module
+        self.program = program
+        self.most_instructions = most_instructions
+        self.numbers = number_solves(program)
+        self.kept: dict[Level, dict[Expr, int]] = {Level.RUN: {}, Level.SAMPLE: {}}
+
+    def write_program(self) -> None:
+        """Write `prepare`, `refresh`, `rates`, `displacement_rates`, `observe` and `sample.<k>`."""
+        program = self.program
+        continuous = (program.rates, program.displacement_rates, program.observe)
+        levels = node_levels(continuous, program.layout)
+        nodes = frontier(continuous, levels)
+        for level, name in ((Level.RUN, "prepare"), (Level.SAMPLE, "refresh")):
+            self._write_kept(name, level, [node for node in nodes if levels[node] is level])
+        rows = {**self.kept[Level.RUN], **self.kept[Level.SAMPLE]}
+        self._write_function("rates", program.rates, rows)
+        self._write_function("displacement_rates", program.displacement_rates, rows)
+        self._write_function("observe", program.observe, rows)
+        for k, function in enumerate(program.samples):
+            self._write_function(f"sample.{k}", function, self.kept[Level.RUN])
+
+    def _write_kept(self, name: str, level: Level, nodes: Iterable[Expr]) -> None:
+        """A function that computes what changes only with the parameters, or with the samples."""
+        known = dict(self.kept[Level.RUN])
+        order = Order(known.__contains__)
+        items: list[Item] = []
+        for node in nodes:
+            items.extend(Compute(new) for new in order.new_below(node))
+            self.kept[level][node] = row = self.module.frame.new_row()
+            items.append(StoreRow(row, node))
+        self.write(name, items, known)
+
+    def _write_function(self, name: str, function: Function, rows: dict[Expr, int]) -> None:
+        items: list[Item] = []
+        late: list[StoreRow] = []
+        for item in sequence(function, self.numbers, rows.__contains__):
+            if isinstance(item, Store):
+                store = StoreRow(self.module.frame.row(item.slot.array, item.slot.index), item.value)
+                # What the function also reads is written when everything has been read.
+                (late if item.slot.array is Array.DISCRETE else items).append(store)
+            else:
+                items.append(item)
+        self.write(name, items, rows, late)
+
+    def write(
+        self, name: str, items: list[Item], rows: dict[Expr, int], late: Iterable[StoreRow] = ()
+    ) -> None:
+        """Write one function as a sequence of pieces; values that cross a cut go through rows of their own."""
+        pieces = self._cut(items)
+        pieces[-1].late.extend(late)
+        rows = {**rows, **self._crossing(pieces)}
+        for k, piece in enumerate(pieces):
+            self._write_piece(name if len(pieces) == 1 else f"{name}.piece{k}", piece, rows, len(pieces) > 1)
+        if len(pieces) > 1:
+            calls = [f"  call void @{name}.piece{k}({PASSED})" for k in range(len(pieces))]
+            self._define(name, calls, "")
+
+    def _define(self, name: str, lines: list[str], attributes: str) -> None:
+        body = "\n".join(lines)
+        self.module.functions.append(f"define internal void @{name}({ARGUMENTS}) {attributes} {{\n{body}\n  ret void\n}}")
+
+    def _cut(self, items: list[Item]) -> list[Piece]:
+        pieces = [Piece()]
+        lanes = self.module.frame.shape.lanes
+        for item in items:
+            weight = 1
+            if isinstance(item, Compute):
+                weight = _WEIGHTS.get(item.node.op, 1) * (lanes if item.node.op in (Op.LOOKUP, Op.SLOPE) else 1)
+            if pieces[-1].weight + weight > self.most_instructions and pieces[-1].items:
+                pieces.append(Piece())
+            pieces[-1].items.append(item)
+            pieces[-1].weight += weight
+        return pieces
+
+    def _crossing(self, pieces: list[Piece]) -> dict[Expr, int]:
+        home: dict[Expr, int] = {}
+        rows: dict[Expr, int] = {}
+
+        def use(nodes: Iterable[Expr], piece: int) -> None:
+            for node in nodes:
+                if node in home and home[node] != piece and node not in rows:
+                    rows[node] = self.module.frame.new_row()
+
+        for k, piece in enumerate(pieces):
+            for item in (*piece.items, *piece.late):
+                if isinstance(item, Compute):
+                    home[item.node] = k
+                    use(item.node.args, k)
+                elif isinstance(item, StoreRow):
+                    use((item.value,), k)
+                else:
+                    use(item.captures, -1)  # read by the residuals, which are functions of their own
+        return rows
+
+    def _write_piece(self, name: str, piece: Piece, rows: dict[Expr, int], is_separate: bool) -> None:
+        block = Block(self.module, rows)
+        text = block.text
+        for item in piece.items:
+            if isinstance(item, Compute):
+                block.compute(item.node)
+                if item.node in rows:
+                    text.store_row(rows[item.node], block.number(item.node))
+            elif isinstance(item, StoreRow):
+                text.store_row(item.row, block.number(item.value))
+            else:
+                self._write_solve(f"{name}.solve{item.number}", item, rows)
+                text.do(f"call void @{name}.solve{item.number}({PASSED})")
+        values = [block.number(store.value) for store in piece.late]
+        for store, value in zip(piece.late, values, strict=True):
+            text.store_row(store.row, value)
+        self._define(name, text.lines, "noinline" if is_separate else "")
+
+    def _write_solve(self, name: str, call: Call, rows: dict[Expr, int]) -> None:
+        """The functions of an implicit block: its residuals with their Jacobian, and the iteration."""
+        frame = self.module.frame
+        solve = call.solve
+        size = len(solve.unknowns)
+        trial, residual, jacobian = (frame.regions[region] for region in ("trial", "residual", "jacobian"))
+        items: list[Item] = [Compute(node) for node in call.inner]
+        items += [StoreRow(residual + i, root) for i, root in enumerate(solve.residuals)]
+        items += [
+            StoreRow(jacobian + size * i + j, entry)
+            for i, row in enumerate(solve.jacobian)
+            for j, entry in enumerate(row)
+        ]
+        at_trial = {unknown: trial + i for i, unknown in enumerate(solve.unknowns)}
+        self.write(f"{name}.residual", items, {**rows, **at_trial})
+        write_newton(self.module, name, call)

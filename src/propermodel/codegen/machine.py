@@ -1,0 +1,339 @@
+"""What every backend shares at run time: the working memory of a run, what is asked of it, what it answers.
+
+Time is divided into ticks. A tick ends at the next due instant among: the next sample of each rate, the next signal
+row, the next integral row, and the end of the request. Instants are `origin + k * period` with whole k, so no error
+accumulates; instants closer than a billionth of a step are one. At an instant, in this order: the controllers that are
+due, by rate; the rows that are due; then equal steps to the next instant; then the check of every state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from enum import StrEnum
+from typing import Any, Protocol, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from propermodel.codegen.program import Array, Program
+from propermodel.codegen.schedule import number_solves
+from propermodel.diagnostics import ProperModelError, SimulationError
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+# Instants this close, in steps, are one instant; a remainder this small needs no step of its own.
+SAME_INSTANT = 1e-9
+# Inside a long tick, a run that has failed in every lane is noticed after so many steps.
+STEPS_BETWEEN_CHECKS = 256
+
+
+class Method(StrEnum):
+    """How a step is taken. All copy before they write, as a derivative may itself be a state."""
+
+    EULER = "euler"
+    SEMI_IMPLICIT = "semi-implicit-euler"  # momenta first, displacements with the new momenta at the new time
+    RK4 = "rk4"
+
+
+# The seam for quadratures: the share of the step that each evaluation of POWER stands for.
+QUADRATURE: Mapping[Method, tuple[float, ...]] = {
+    Method.EULER: (1.0,),
+    Method.SEMI_IMPLICIT: (1.0,),
+    Method.RK4: (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0),
+}
+
+
+class Status(StrEnum):
+    """How a call of `run` ended."""
+
+    FINISHED = "finished"
+    PAUSED = "paused"  # a buffer is full or enough ticks were done; call again
+    NOT_FINITE = "not-finite"
+    OUT_OF_RANGE = "out-of-range"
+    NOT_CONVERGED = "not-converged"
+
+
+@dataclass(frozen=True, eq=False)
+class TableData:
+    """The numbers of one table: one or two strictly growing grids, and values (two-dimensional: first grid slowest)."""
+
+    grids: tuple[FloatArray, ...]
+    values: FloatArray
+
+    def __post_init__(self) -> None:
+        grids = tuple(_frozen(grid) for grid in self.grids)
+        object.__setattr__(self, "grids", grids)
+        object.__setattr__(self, "values", _frozen(self.values))
+
+
+def _frozen(values: ArrayLike) -> FloatArray:
+    result = np.array(values, dtype=np.float64, order="C")
+    result.flags.writeable = False
+    return result
+
+
+@dataclass(kw_only=True)
+class Memory:
+    """The working memory of one run: everything needed to continue it from its last state.
+
+    Arrays have shape (n,) for one lane and (n, lanes) for several. `alive` has one entry per lane: a lane whose run has
+    failed goes on computing, but its numbers mean nothing and are no longer checked.
+    """
+
+    time: float
+    origin: float
+    state: FloatArray
+    discrete: FloatArray
+    parameter: FloatArray
+    unknown: FloatArray
+    integral: FloatArray  # of each POWER entry, since the origin
+    activity: FloatArray  # of its absolute value
+    lower: FloatArray  # limits of every state
+    upper: FloatArray
+    tables: tuple[TableData, ...]
+    samples_taken: IntArray  # for each rate
+    alive: BoolArray
+    rows_taken: int = 0
+    integral_rows_taken: int = 0
+    steps_taken: int = 0
+
+    def copy(self) -> Memory:
+        """An independent memory with the same content; tables are shared, as they are never written."""
+        values: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(self)}
+        return Memory(**{k: cast(Any, v).copy() if isinstance(v, np.ndarray) else v for k, v in values.items()})
+
+
+def start_memory(
+    program: Program,
+    values: Mapping[Array, ArrayLike] | None = None,
+    *,
+    tables: Sequence[TableData] = (),
+    origin: float = 0.0,
+    lanes: int = 1,
+) -> Memory:
+    """A memory at its origin; arrays not given are zero, one-lane values are spread over all lanes."""
+    given = values or {}
+
+    def filled(array: Array) -> FloatArray:
+        count = program.layout.lengths.get(array, 0)
+        shape = (count,) if lanes == 1 else (count, lanes)
+        result = np.zeros(shape)
+        if array in given:
+            value = np.asarray(given[array], dtype=np.float64)
+            result[...] = value[:, np.newaxis] if lanes > 1 and value.ndim == 1 else value
+        return result
+
+    state = filled(Array.STATE)
+    power = filled(Array.POWER)
+    return Memory(
+        time=origin,
+        origin=origin,
+        state=state,
+        discrete=filled(Array.DISCRETE),
+        parameter=filled(Array.PARAMETER),
+        unknown=filled(Array.UNKNOWN),
+        integral=power,
+        activity=power.copy(),
+        lower=np.full_like(state, -math.inf),
+        upper=np.full_like(state, math.inf),
+        tables=tuple(tables),
+        samples_taken=np.zeros(len(program.samples), dtype=np.int64),
+        alive=np.ones(lanes, dtype=np.bool_),
+    )
+
+
+def _no_selection() -> IntArray:
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Request:
+    """What one call of `run` shall do. An infinite period has its only instant at the origin.
+
+    Keep both periods for the whole run: the rows already taken are counted in the memory.
+    """
+
+    until: float
+    step: float
+    row_period: float = math.inf
+    integral_period: float = math.inf
+    selected: IntArray = field(default_factory=_no_selection)  # indices of SIGNAL to record
+    most_rows: int = 4096  # room for rows of each kind; when it is used up, the run pauses
+    most_ticks: int = 1_000_000
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why the run of one lane ended early: `index` is a state, or for NOT_CONVERGED the number of a Solve."""
+
+    lane: int
+    status: Status
+    time: float
+    index: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Outcome:
+    """How a call of `run` ended and the rows it recorded.
+
+    With several lanes `failures` lists those that failed during this call; the status is a failure (the first of them)
+    only when no lane is left. Rows have the shape (rows, selected) or (rows, selected, lanes).
+    """
+
+    status: Status
+    time: float
+    index: int  # of the state or the Solve that failed, otherwise -1
+    row_times: FloatArray
+    rows: FloatArray
+    integral_times: FloatArray
+    integrals: FloatArray
+    activities: FloatArray
+    failures: tuple[Failure, ...] = ()
+
+
+class Machine(Protocol):
+    """A program made executable; it holds no state of a run, so threads may share it."""
+
+    @property
+    def program(self) -> Program:
+        """The program it executes."""
+        ...
+
+    @property
+    def method(self) -> Method:
+        """How it takes a step."""
+        ...
+
+    @property
+    def lanes(self) -> int:
+        """How many runs it does side by side."""
+        ...
+
+    def run(self, memory: Memory, request: Request) -> Outcome:
+        """Continue the run in `memory` as requested."""
+        ...
+
+    def rates(self, memory: Memory) -> tuple[FloatArray, FloatArray]:
+        """The RATE and POWER arrays at the memory's time; the memory is not changed."""
+        ...
+
+    def observe(self, memory: Memory) -> FloatArray:
+        """The SIGNAL array at the memory's time; the memory is not changed."""
+        ...
+
+    def sample(self, memory: Memory) -> None:
+        """Apply all controllers once, by rate, without counting a sample."""
+        ...
+
+
+def sample_periods(program: Program, memory: Memory) -> list[float]:
+    """The period of each rate, from the parameters.
+
+    Raises:
+        ValueError: a period is not positive, or differs between lanes.
+    """
+    result: list[float] = []
+    for index in program.periods:
+        values = np.atleast_1d(memory.parameter[index])
+        if not np.all(values > 0.0):
+            raise ValueError(f"the sample period in parameter {index} is {values.min()}; it must be positive")
+        if np.any(values != values[0]):
+            raise ValueError(f"the sample period in parameter {index} differs between lanes, which share their instants")
+        result.append(float(values[0]))
+    return result
+
+
+def check_memory(program: Program, lanes: int, memory: Memory) -> None:
+    """Check that a memory fits a program.
+
+    Raises:
+        ValueError: an array has another shape.
+    """
+    lengths = program.layout.lengths
+    wanted = {
+        "state": Array.STATE,
+        "lower": Array.STATE,
+        "upper": Array.STATE,
+        "discrete": Array.DISCRETE,
+        "parameter": Array.PARAMETER,
+        "unknown": Array.UNKNOWN,
+        "integral": Array.POWER,
+        "activity": Array.POWER,
+    }
+    for name, array in wanted.items():
+        count = lengths.get(array, 0)
+        shape = (count,) if lanes == 1 else (count, lanes)
+        given: FloatArray = getattr(memory, name)
+        if given.shape != shape or given.dtype != np.float64:
+            raise ValueError(f"memory.{name} is {given.dtype} of shape {given.shape}, expected float64 {shape}")
+    if memory.samples_taken.shape != (len(program.samples),):
+        raise ValueError(f"memory.samples_taken has {memory.samples_taken.size} rates, expected {len(program.samples)}")
+    if memory.alive.shape != (lanes,):
+        raise ValueError(f"memory.alive has shape {memory.alive.shape}, expected ({lanes},)")
+    if len(memory.tables) != len(program.layout.tables):
+        raise ValueError(f"the program has {len(program.layout.tables)} tables, the memory {len(memory.tables)}")
+
+
+def check_request(program: Program, memory: Memory, request: Request) -> None:
+    """Check that a request can be run.
+
+    Raises:
+        ValueError: a number is out of its range.
+    """
+    if not (request.step > 0.0 and math.isfinite(request.step)):
+        raise ValueError(f"the step is {request.step} s; it must be positive")
+    if not math.isfinite(request.until) or (request.until - memory.time) / request.step > 2**52:
+        raise ValueError(f"the end is {request.until} s; it cannot be reached in steps of {request.step} s")
+    if not (request.row_period > 0.0 and request.integral_period > 0.0):
+        raise ValueError("the periods of rows must be positive; infinity records the origin only")
+    if request.most_rows < 1 or request.most_ticks < 1:
+        raise ValueError("most_rows and most_ticks must be at least 1")
+    count = program.layout.lengths.get(Array.SIGNAL, 0)
+    selected = request.selected
+    if selected.size and not (0 <= int(selected.min()) and int(selected.max()) < count):
+        raise ValueError(f"selected signals must be between 0 and {count - 1}")
+    if not memory.alive.any() and memory.alive.size > 1:
+        raise ValueError("every lane of this memory has failed")
+
+
+def instant(origin: float, count: int, period: float) -> float:
+    """The instant number `count` of a period."""
+    return origin + count * period if count else origin
+
+
+def count_from(memory: Memory, request: Request, count: int, period: float) -> int:
+    """The number of the next instant of a row, instants before the memory's time skipped."""
+    if math.isinf(period):
+        return max(count, 1 if memory.time > memory.origin + SAME_INSTANT * request.step else 0)
+    passed = (memory.time - SAME_INSTANT * request.step - memory.origin) / period
+    return max(count, math.ceil(passed)) if passed > 0.0 else count
+
+
+def state_failures(memory: Memory) -> list[Failure]:
+    """The lanes that are alive and have a state that is not finite or outside its limits, with the first such state."""
+    lanes = memory.alive.size
+    state, lower, upper = (array.reshape(-1, lanes) for array in (memory.state, memory.lower, memory.upper))
+    finite = np.isfinite(state)
+    bad = ~(finite & (state >= lower) & (state <= upper))
+    found: list[Failure] = []
+    for lane in np.flatnonzero(memory.alive & bad.any(axis=0)):
+        # A state that is no number explains more than one that is only large.
+        wrong = ~finite[:, lane] if not finite[:, lane].all() else bad[:, lane]
+        index = int(np.argmax(wrong))
+        status = Status.OUT_OF_RANGE if finite[index, lane] else Status.NOT_FINITE
+        found.append(Failure(int(lane), status, memory.time, index))
+    return found
+
+
+def not_converged(program: Program, failure: Failure) -> ProperModelError:
+    """The error of an evaluation whose implicit block has no solution."""
+    solve = list(number_solves(program))[failure.index]
+    return SimulationError.of(
+        "simulation/not-converged",
+        f"the implicit block of {', '.join(str(path) for path in solve.paths)} has no solution at {failure.time:g} s",
+        help="check the initial values and the laws around this loop",
+    )

@@ -1,0 +1,122 @@
+"""The program: what a compiled model computes, as straight-line functions over numbered slots.
+
+A `Program` knows nothing of bond graphs. `Layout` is the only place where quantities have indices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from propermodel.diagnostics import Path
+from propermodel.expressions.core import Expr
+
+
+class Array(StrEnum):
+    """The arrays a program reads and writes; every entry is one float64 per lane."""
+
+    TIME = "time"  # one entry: the time, s
+    STATE = "state"
+    RATE = "rate"  # derivative of each state
+    DISCRETE = "discrete"  # held values of controllers: discrete states and outputs
+    PARAMETER = "parameter"
+    UNKNOWN = "unknown"  # solutions of the implicit blocks, kept as the next start
+    POWER = "power"  # what is integrated in time, with and without its sign: bond powers and row powers
+    SIGNAL = "signal"  # what can be recorded
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One entry of one array."""
+
+    array: Array
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """Store the value of an expression in a slot."""
+
+    slot: Slot
+    value: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Solve:
+    """Find the unknowns that make the residuals vanish, by Newton's method started from their slots.
+
+    After it the unknowns' symbols have their solution as value, which is also stored in their slots.
+    `jacobian[i][j]` is the exact derivative of residual i with respect to unknown j. `scales` are typical magnitudes of
+    the unknowns: the iteration ends when every correction is below `tolerance * (|unknown| + scale)`.
+    """
+
+    unknowns: tuple[Expr, ...]
+    residuals: tuple[Expr, ...]
+    jacobian: tuple[tuple[Expr, ...], ...]
+    scales: tuple[float, ...]
+    paths: tuple[Path, ...]
+    tolerance: float = 1e-10
+    most_iterations: int = 25
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A named sequence of assignments and solutions; a `Solve` stands before what uses its unknowns.
+
+    Every value is read before any slot is written, except that the unknowns of a `Solve` are available after it.
+    """
+
+    name: str
+    steps: tuple[Assign | Solve, ...]
+
+
+class Extrapolation(StrEnum):
+    """What a table answers outside its grid."""
+
+    HOLD = "hold"
+    LINEAR = "linear"
+
+
+@dataclass(frozen=True, slots=True)
+class TableSlot:
+    """The shape of one table; its data are given at run time.
+
+    A one-dimensional table holds a strictly growing grid and as many values; a two-dimensional one two grids and
+    values in row-major order (first coordinate slowest). `is_uniform` says that every grid is equidistant, so that
+    the cell is computed rather than searched for; data given at run time must then be equidistant too.
+    """
+
+    path: Path
+    dimensions: int
+    extrapolation: Extrapolation
+    is_uniform: bool
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where everything is: leaves of expressions to slots, and the lengths of the arrays."""
+
+    slots: Mapping[Expr, Slot]
+    lengths: Mapping[Array, int]
+    tables: tuple[TableSlot, ...]
+    table_index: Mapping[Expr, int]  # table symbol to index in `tables`
+    momenta: tuple[int, ...]  # states advanced first by semi-implicit Euler
+    displacements: tuple[int, ...]  # states advanced second, with the new momenta
+
+
+@dataclass(frozen=True)
+class Program:
+    """Everything a backend needs.
+
+    `rates` computes RATE and POWER (and UNKNOWN by its solves); `displacement_rates` computes the RATE of the
+    displacements only; `observe` computes SIGNAL; `samples[k]` computes the DISCRETE entries of sampled controllers
+    of rate k, due every `periods[k]` (an index into PARAMETER).
+    """
+
+    rates: Function
+    displacement_rates: Function
+    observe: Function
+    samples: tuple[Function, ...]
+    periods: tuple[int, ...]
+    layout: Layout
