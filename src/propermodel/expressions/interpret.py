@@ -6,6 +6,8 @@ import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
 from propermodel.diagnostics import ModelError
 from propermodel.expressions.core import Expr, Op, postorder
 
@@ -43,7 +45,7 @@ FUNCTIONS: dict[Op, Callable[..., float]] = {
     Op.SUBTRACT: operator.sub,
     Op.MULTIPLY: operator.mul,
     Op.DIVIDE: operator.truediv,
-    Op.POWER: operator.pow,
+    Op.POWER: math.pow,
     Op.NEGATE: _negative,
     Op.ABSOLUTE: math.fabs,
     Op.SIGN: _sign,
@@ -85,7 +87,7 @@ def interpret_all(exprs: Sequence[Expr], values: Mapping[Expr, float] | None = N
         if node.op is Op.CONSTANT:
             known[node] = node.data[0]
         elif node.op in FUNCTIONS:
-            known[node] = float(FUNCTIONS[node.op](*(known[arg] for arg in node.args)))
+            known[node] = _apply(node.op, [known[arg] for arg in node.args])
         else:
             raise ModelError.of(
                 "expression/no-value",
@@ -93,3 +95,25 @@ def interpret_all(exprs: Sequence[Expr], values: Mapping[Expr, float] | None = N
                 help="give it a number, or use an expression of parameters only",
             )
     return [known[expr] for expr in exprs]
+
+
+def _apply(op: Op, args: list[float]) -> float:
+    try:
+        return float(FUNCTIONS[op](*args))
+    except (ArithmeticError, ValueError):
+        # As in generated code, the branch of a `where` that is not taken may be infinite or undefined.
+        with np.errstate(all="ignore"):
+            return float(_UFUNCS[op](*args))
+
+
+_UFUNCS: dict[Op, Callable[..., np.float64]] = {
+    Op.MULTIPLY: np.multiply,
+    Op.DIVIDE: np.divide,
+    Op.POWER: np.power,
+    Op.SQUARE_ROOT: np.sqrt,
+    Op.EXPONENTIAL: np.exp,
+    Op.LOGARITHM: np.log,
+    Op.SINE: np.sin,
+    Op.COSINE: np.cos,
+    Op.FLOOR: np.floor,
+}
