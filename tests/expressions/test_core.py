@@ -49,8 +49,6 @@ def test_expressions_built_alike_are_one_object():
     assert hash(X * Y) == hash(X * Y)
     path = Path(("a", "effort"))
     assert symbol(SymbolKind.EFFORT, path, "N") is symbol(SymbolKind.EFFORT, path, "N")
-        SymbolKind.EFFORT, Path(("a", "effort")), "N"
-    )
 
 
 def test_symbols_differ_by_kind_path_and_unit():
