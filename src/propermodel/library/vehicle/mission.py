@@ -164,7 +164,7 @@ def rough_road(record: Record, classes: Mapping[str, str] | None = None) -> Roug
 @lru_cache(maxsize=8)
 def roughness_table(road: RoughRoad, end: float) -> TableValues:
     """The slope of a rough road every 0.05 m, from a margin before the start to a margin beyond the end."""
-    x = np.arange(round(-MARGIN / SPACING), round((end + MARGIN) / SPACING) + 1) * SPACING
+    x = SPACING * np.arange(round(-MARGIN / SPACING), round((end + MARGIN) / SPACING) + 1, dtype=np.float64)
     return TableValues((tuple(x.tolist()),), tuple(road.slope(x).tolist()))
 
 
@@ -175,7 +175,8 @@ def _table(x: FloatArray, y: FloatArray) -> TableValues:
 def _grade_table(record: Record) -> TableValues:
     """Grade over the rows where the distance grows."""
     grows = np.concatenate([[True], np.diff(np.maximum.accumulate(record.distance)) > 0.0])
-    return _table(record.distance[grows], record.grade[grows])
+    x, y = record.distance[grows], record.grade[grows]
+    return _table(np.array([x[0] - MARGIN, *x, x[-1] + MARGIN]), np.array([y[0], *y, y[-1]]))
 
 
 def _rolling_table(record: Record) -> TableValues:

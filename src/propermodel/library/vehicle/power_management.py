@@ -28,7 +28,6 @@ class EngineManagement(Controller):
     ratio = Input("1")
     gear_efficiency = Input("1")
     output_speed = Input("rad/s")
-    speed = Input("m/s")
     engine_demand = Output("N.m", start=-1e6)
     brake_pedal = Output("1", start=0.6)
     throttle = Output("1")
@@ -89,6 +88,7 @@ class EngineManagement(Controller):
 class HybridManagement(EngineManagement):
     """Pump before friction brakes, motor before engine."""
 
+    speed = Input("m/s")
     stroke = Input("1")
     accumulator_pressure = Input("Pa")
     reservoir_pressure = Input("Pa")
