@@ -37,32 +37,27 @@ def activity(
     from propermodel.analysis.activity import rank_activity
     from propermodel.cli.models import load_subject
     from propermodel.cli.progress import ProgressBars
-    from propermodel.cli.tables import console, ranking_notes, ranking_table
+    from propermodel.cli.tables import Screen, ranking_notes, ranking_table
     from propermodel.compiler import compile_model
-    from propermodel.report.study import IncompleteStudy
-    from propermodel.simulation.simulate import simulate
-    from propermodel.simulation.trajectory import Trajectory
+    from propermodel.diagnostics import SimulationError
+    from propermodel.report.study import StudyOptions, StudySoFar
 
     subject = configured(load_subject(model, scenario), until=until, method=method, step=step, settings=settings)
     compiled = compile_model(subject.model)
-    span = subject.scenario.stop - subject.scenario.start
-    runs: dict[str, Trajectory] = {}
+    so_far = StudySoFar()
+    options = StudyOptions(method=subject.method, step=subject.step)
     with ProgressBars() as bars:
-        for name, part in {"full": 1.0, "refined": 0.5}.items() if refine else {"full": 1.0}.items():
-            runs[name] = simulate(
-                compiled,
-                subject.scenario,
-                method=subject.method,
-                step=subject.step * part,
-                record=(),
-                integrals_every=max(subject.step, min(1.0, span / 1000.0)),
-                progress=lambda progress, name=name: bars(name, progress),
+        try:
+            full = so_far.run("full", compiled, subject.scenario, subject.step, options, bars)
+            refined = (
+                so_far.run("refined", compiled, subject.scenario, subject.step / 2.0, options, bars) if refine else None
             )
-            if not runs[name].ending.is_complete:
-                error = IncompleteStudy.after(runs)
-                print_diagnostics(error.diagnostics)
-                raise typer.Exit(INTERRUPTED if error.was_interrupted else FAULTS_FOUND)
-    ranking = rank_activity(runs["full"], refined=runs.get("refined"), window=window)
+        except SimulationError as error:
+            if not so_far.runs:
+                raise
+            print_diagnostics(error.diagnostics)
+            raise typer.Exit(INTERRUPTED if so_far.was_interrupted else FAULTS_FOUND) from None
+    ranking = rank_activity(full, refined=refined, window=window)
     if as_json:
         check = ranking.discretisation
         report = {
@@ -85,7 +80,7 @@ def activity(
         }
         typer.echo(json.dumps(report, indent=2))
         return
-    screen = console()
+    screen = Screen()
     screen.print(ranking_table(ranking))
     for note in ranking_notes(ranking):
-        screen.print(note, markup=False)
+        screen.print(note)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterable
 from typing import Any
 
@@ -31,6 +33,10 @@ class Commands(TyperGroup):
         except ProperModelError as error:
             print_diagnostics(error.diagnostics)
             raise typer.Exit(MISUSE) from None
+        except BrokenPipeError:
+            # The reader of a pipe has had enough; Python must not flush into it at exit.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(0) from None
         except OSError as error:
             print_diagnostics([Diagnostic("command/file", f"{error.strerror or error}: {error.filename or ''}")])
             raise typer.Exit(MISUSE) from None

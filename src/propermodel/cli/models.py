@@ -59,8 +59,47 @@ class NamedModel:
     step: float = 2e-4
 
 
+_MISSIONS = {"fmtv_mixed": Target("propermodel.library.vehicle.mission", "mission", ("fmtv_mixed",))}
+_SPEED = Panel(
+    "Speed of the truck", (Series("driver.speed_profile", "profile", dashed=True), Series("chassis.speed", "truck"))
+)
+_ENGINE = Panel("Engine speed", (Series("engine.crankshaft.flow"),))
+_GEAR = Panel("Gear", (Series("transmission.to_gear"),), unit="gear")
+_FUEL = Panel("Fuel", (Series("engine.fuel_meter.mass"),))
+
 NAMED_MODELS: Mapping[str, NamedModel] = MappingProxyType(
     {
+        "truck": NamedModel(
+            component=Target("propermodel.library.vehicle.truck", "HybridTruck"),
+            scenarios=_MISSIONS,
+            outputs=(
+                "chassis.speed",
+                "engine.crankshaft.flow",
+                "engine.injection.fuel",
+                "hydraulics.accumulator_pressure",
+            ),
+            totals={"fuel_kg": "engine.fuel_meter.mass"},
+            panels=(
+                _SPEED,
+                _ENGINE,
+                _GEAR,
+                Panel(
+                    "Pressure of the accumulator and the reservoir",
+                    (
+                        Series("hydraulics.accumulator_pressure", "accumulator"),
+                        Series("hydraulics.reservoir_pressure", "reservoir", dashed=True),
+                    ),
+                ),
+                _FUEL,
+            ),
+        ),
+        "conventional-truck": NamedModel(
+            component=Target("propermodel.library.vehicle.truck", "ConventionalTruck"),
+            scenarios=_MISSIONS,
+            outputs=("chassis.speed", "engine.crankshaft.flow", "engine.injection.fuel"),
+            totals={"fuel_kg": "engine.fuel_meter.mass"},
+            panels=(_SPEED, _ENGINE, _GEAR, _FUEL),
+        ),
         "half-car": NamedModel(
             component=Target("propermodel.library.vehicle.half_car", "HalfCar"),
             scenarios={"rough_road": Target("propermodel.cli.roads", "rough_road")},
@@ -226,7 +265,16 @@ def _components(module: ModuleType) -> list[str]:
 
 
 def _scenarios(module: ModuleType) -> list[str]:
-    return [name for name, value in vars(module).items() if isinstance(value, Scenario)]
+    """The scenarios of a module, and the functions that say they give one."""
+
+    def gives_scenario(value: Any) -> bool:
+        return getattr(value, "__annotations__", {}).get("return") in {Scenario, "Scenario"}
+
+    return [
+        name
+        for name, value in vars(module).items()
+        if isinstance(value, Scenario) or (gives_scenario(value) and value.__module__ == module.__name__)
+    ]
 
 
 def _as_model(value: Any, text: str) -> Model:

@@ -73,10 +73,9 @@ def reduce(
 def reduce_subject(subject: Subject, options: StudyOptions, out: FilePath, *, as_json: bool) -> None:
     """Run the study, write its files, and print it."""
     from propermodel.cli.progress import ProgressBars
-    from propermodel.cli.tables import comparison_table, console, decisions_table, ranking_notes, study_lines
-    from propermodel.report.files import write_study
+    from propermodel.cli.tables import Screen, comparison_table, decisions_table, ranking_notes, study_lines
+    from propermodel.report.files import write_incomplete, write_study
     from propermodel.report.study import IncompleteStudy, run_study
-    from propermodel.simulation.storage import save_trajectory
 
     out.mkdir(parents=True, exist_ok=True)
     try:
@@ -85,22 +84,23 @@ def reduce_subject(subject: Subject, options: StudyOptions, out: FilePath, *, as
             bars("writing files")
             summary, files = write_study(study, out)
     except IncompleteStudy as error:
+        if error.so_far.reduction is not None and not as_json:
+            Screen().print(decisions_table(error.so_far.reduction))
         print_diagnostics(error.diagnostics)
-        for name, run in error.runs.items():
-            save_trajectory(run, out / f"{name}.npz")
-            typer.echo(f"what was computed of the {name} run: {(out / f'{name}.npz').as_posix()}", err=True)
+        for name in write_incomplete(error.so_far, out):
+            typer.echo(f"what was made until then: {(out / name).as_posix()}", err=True)
         raise typer.Exit(INTERRUPTED if error.was_interrupted else FAULTS_FOUND) from None
     if as_json:
         typer.echo(json.dumps(summary, indent=2))
         return
-    screen = console()
+    screen = Screen()
     screen.print(decisions_table(study.reduction))
-    screen.print()
+    screen.print("")
     screen.print(comparison_table(study.comparison))
-    screen.print()
+    screen.print("")
     for line in (*study_lines(study), *ranking_notes(study.ranking)):
-        screen.print(line, markup=False)
-    screen.print()
+        screen.print(line)
+    screen.print("")
     width = max(len((out / file.name).as_posix()) for file in files)
     for file in files:
-        screen.print(f"{(out / file.name).as_posix():<{width}}  {file.meaning}", markup=False)
+        screen.print(f"{(out / file.name).as_posix():<{width}}  {file.meaning}")

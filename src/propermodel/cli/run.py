@@ -38,7 +38,7 @@ def run(
     from propermodel.analysis.balance import energy_balance
     from propermodel.cli.models import load_subject
     from propermodel.cli.progress import ProgressBars
-    from propermodel.cli.tables import console, plain, table
+    from propermodel.cli.tables import Screen, plain, table
     from propermodel.compiler import compile_model
     from propermodel.report.study import StudyOptions, check_outputs
     from propermodel.report.summary import write_columns
@@ -87,11 +87,11 @@ def run(
         }
         typer.echo(json.dumps(report, indent=2))
     else:
-        screen = console()
-        screen.print(str(answer), markup=False)
-        screen.print(str(balance), markup=False)
+        screen = Screen()
+        screen.print(str(answer))
+        screen.print(str(balance))
         for use in answer.outside_tables:
-            screen.print(f"outside the table {use.path} for {use.seconds:.3g} s", markup=False)
+            screen.print(f"outside the table {use.path} for {use.seconds:.3g} s")
         made = table(
             "", "output", "start", "end", "least", "greatest", "unit", right=("start", "end", "least", "greatest")
         )
@@ -101,7 +101,7 @@ def run(
             made.add_row(plain(path), *(f"{number:.6g}" for number in numbers), answer.unit(path))
         screen.print(made)
         for file in files:
-            screen.print(file, markup=False)
+            screen.print(file)
     if answer.ending.status is RunStatus.INTERRUPTED:
         raise typer.Exit(INTERRUPTED)
     if not answer.ending.is_complete:

@@ -27,11 +27,11 @@ def show(
 ) -> None:
     """Show a model: its parts, causality, equations or parameters."""
     from propermodel.cli.models import load_subject
-    from propermodel.cli.tables import console
+    from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
 
     subject = load_subject(model)
-    screen = console()
+    screen = Screen()
     if tree or not (causality or equations or parameters):
         screen.print(_tree(subject.model))
     if not (causality or equations or parameters):
@@ -40,7 +40,7 @@ def show(
     if causality:
         screen.print(_causality(compiled))
     if equations:
-        screen.print(str(compiled.system), markup=False, soft_wrap=True)
+        screen.print(str(compiled.system))
     if parameters:
         screen.print(_parameters(compiled, subject, settings or []))
 
@@ -49,6 +49,7 @@ def _tree(model: Model) -> Tree:
     from rich.tree import Tree
 
     from propermodel.cli.tables import plain
+    from propermodel.report.summary import removal_text
 
     root = Tree(plain(f"{model.name}  {model.root.definition.type_name}"))
     pending = [(root, model.root.definition)]
@@ -58,6 +59,10 @@ def _tree(model: Model) -> Tree:
             first = part.definition.doc.strip().partition("\n")[0]
             label = f"{part.name}  {part.definition.type_name}" + (f"  {first}" if first else "")
             pending.append((branch.add(plain(label)), part.definition))
+    if model.removals:
+        removed = root.add(plain("removals"))
+        for removal in model.removals:
+            removed.add(plain(removal_text(removal)))
     return root
 
 
@@ -72,16 +77,29 @@ def _causality(compiled: CompiledModel) -> Table:
 
 def _parameters(compiled: CompiledModel, subject: Subject, settings: list[str]) -> Table:
     from propermodel.cli.tables import plain, table
+    from propermodel.expressions.core import leaves
+    from propermodel.expressions.printing import to_text
     from propermodel.expressions.units import parse_unit
     from propermodel.simulation.start import parameter_values
 
     given = {**subject.scenario.parameters, **parse_settings(subject, settings)}
     values = parameter_values(compiled, given)
     made = table(
-        f"Parameters of {compiled.model.name}", "parameter", "value", "unit", "status", "source", right=("value",)
+        f"Parameters of {compiled.model.name}",
+        "parameter",
+        "value",
+        "unit",
+        "set by",
+        "status",
+        "source",
+        right=("value",),
     )
     for path, parameter in compiled.graph.parameters.items():
         value = values[parameter.symbol] / parse_unit(parameter.unit).factor
-        status = "given" if path in given else parameter.status
-        made.add_row(plain(path), f"{value:.6g}", parameter.unit or "1", status, plain(parameter.origin))
+        used = leaves(parameter.value)
+        rule = "scenario" if path in given else to_text(parameter.value) if used else ""
+        # The provenance is that of the declared value, which a surrounding component or the scenario may replace.
+        is_declared = path not in given and all(leaf.data.path.parent == path.parent for leaf in used)
+        status, source = (parameter.status, parameter.origin) if is_declared else ("", "")
+        made.add_row(plain(path), f"{value:.6g}", parameter.unit or "1", plain(rule), status, plain(source))
     return made

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -19,10 +19,23 @@ PLAIN_WIDTH = 220
 _STYLES = {Verdict.KEPT: "", Verdict.REMOVED: "green", Verdict.REFUSED: "yellow"}
 
 
-def console() -> Console:
-    """The console for results: as wide as the terminal, or wide enough for all columns."""
-    is_terminal = sys.stdout.isatty()
-    return Console(width=None if is_terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
+class Screen:
+    """Where results are printed: as wide as the terminal, or wide enough for all columns where a program reads it."""
+
+    def __init__(self) -> None:
+        self._is_terminal = sys.stdout.isatty()
+        self._console = Console(width=None if self._is_terminal else PLAIN_WIDTH, highlight=False)
+
+    def print(self, *items: RenderableType) -> None:
+        """Print each item on its own line; text as it stands."""
+        for item in items:
+            shown = Text(item, no_wrap=True, overflow="ignore") if isinstance(item, str) else item
+            if self._is_terminal:
+                self._console.print(shown)
+                continue
+            with self._console.capture() as captured:
+                self._console.print(shown, crop=False)
+            sys.stdout.write("".join(f"{line.rstrip()}\n" for line in captured.get().splitlines()))
 
 
 def table(title: str, *columns: str, right: Iterable[str] = ()) -> Table:

@@ -79,7 +79,8 @@ def _figure(width: float, height: float, file: FilePath) -> Iterator[Any]:
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_STYLE)
+        for name, value in _STYLE.items():
+            matplotlib.rcParams[name] = value  # pyright: ignore[reportArgumentType]
         figure = Canvas(figsize=(width, height))
         yield figure
         figure.savefig(file, metadata={"Software": None})
@@ -206,7 +207,7 @@ def draw_mission(run: Trajectory, panels: tuple[Panel, ...], file: FilePath) -> 
 
 def _series(run: Trajectory, series: Series) -> tuple[FloatArray, FloatArray, str]:
     path = parse_path(series.path)
-    given = run.scenario.inputs.get(path)
+    given = run.scenario.inputs.get(path, run.scenario.tables.get(path))
     if path not in run and isinstance(given, TableValues) and len(given.grids) == 1:
         unit = run.compiled.graph.tables[path].spec.unit
         return np.array(given.grids[0]), np.array(given.values), unit

@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from propermodel.modelling.documents import write_model, write_scenario
-from propermodel.report.study import ReductionStudy
+from propermodel.report.study import ReductionStudy, StudySoFar
 from propermodel.report.summary import write_outputs, write_ranking, write_summary
 from propermodel.simulation.storage import save_trajectory
 
@@ -26,7 +26,7 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
 
     folder.mkdir(parents=True, exist_ok=True)
     summary = write_summary(study, folder / "summary.json")
-    write_ranking(study, folder / "ranking.csv")
+    write_ranking(study.reduction, folder / "ranking.csv")
     write_outputs(study, folder / "outputs.csv")
     write_model(study.full.compiled.model, folder / "full_model.json")
     write_model(study.reduced.compiled.model, folder / "reduced_model.json")
@@ -47,3 +47,19 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
         WrittenFile("full.npz", "everything that was recorded, full model"),
         WrittenFile("reduced.npz", "everything that was recorded, reduced model"),
     )
+
+
+def write_incomplete(so_far: StudySoFar, folder: FilePath) -> tuple[str, ...]:
+    """Write what a study made before it stopped; gives the names of the files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    names: list[str] = []
+    for name, run in so_far.runs.items():
+        save_trajectory(run, folder / f"{name}.npz")
+        names.append(f"{name}.npz")
+    if so_far.reduction is not None:
+        write_ranking(so_far.reduction, folder / "ranking.csv")
+        write_model(
+            so_far.runs["full"].compiled.model.without(so_far.reduction.removals), folder / "reduced_model.json"
+        )
+        names += ["ranking.csv", "reduced_model.json"]
+    return tuple(names)

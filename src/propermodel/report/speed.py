@@ -13,7 +13,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import simulate
-from propermodel.simulation.trajectory import Trajectory
+from propermodel.simulation.trajectory import RunStatus, Trajectory
 
 LONGEST_RUN_S = 3.0  # wall time of one timed run of the full model
 LONGEST_SEARCH_RUN_S = 1.0  # the same in the search for steps, at the step of the study
@@ -118,7 +118,7 @@ def _run(
     window: tuple[float, float],
     outputs: tuple[Path, ...],
 ) -> Trajectory:
-    return simulate(
+    run = simulate(
         compiled,
         replace(scenario, stop=window[1]),
         method=like.method,
@@ -126,6 +126,9 @@ def _run(
         record=outputs,
         record_every=_period(like),
     )
+    if run.ending.status is RunStatus.INTERRUPTED:
+        raise KeyboardInterrupt
+    return run
 
 
 def _period(run: Trajectory) -> float:

@@ -9,7 +9,7 @@ from propermodel.analysis.activity import ActivityRanking, rank_activity
 from propermodel.analysis.balance import EnergyBalance, energy_balance
 from propermodel.analysis.comparison import Comparison, compare
 from propermodel.compiler import CompiledModel, Method, compile_model
-from propermodel.diagnostics import Diagnostic, Path, SimulationError, nearest, parse_path
+from propermodel.diagnostics import Diagnostic, Path, ProperModelError, SimulationError, nearest, parse_path
 from propermodel.modelling.model import ElementKind, Model, Scenario
 from propermodel.reduction.plan import Reduction, plan_reduction
 from propermodel.report.panels import Panel
@@ -68,19 +68,67 @@ class ReductionStudy:
         return self.reduced.compiled
 
 
-class IncompleteStudy(SimulationError):
-    """A run of a study was interrupted or failed; `runs` holds what was computed, by name."""
+@dataclass
+class StudySoFar:
+    """What a study has made until it stopped."""
 
-    runs: Mapping[str, Trajectory]
+    runs: dict[str, Trajectory] = field(default_factory=dict[str, Trajectory])
+    ranking: ActivityRanking | None = None
+    reduction: Reduction | None = None
+
+    def run(
+        self,
+        name: str,
+        compiled: CompiledModel,
+        scenario: Scenario,
+        step: float,
+        options: StudyOptions,
+        say: StudyProgress,
+    ) -> Trajectory:
+        """Make a run and keep it, also when it does not reach its end.
+
+        Raises:
+            SimulationError: it did not.
+        """
+        run = simulate(
+            compiled,
+            scenario,
+            method=options.method,
+            step=step,
+            record=() if name == "refined" else None,
+            record_every=options.record_every(scenario),
+            integrals_every=max(step, min(1.0, (scenario.stop - scenario.start) / 100.0)),
+            progress=lambda progress: say(name, progress),
+        )
+        self.runs[name] = run
+        if not run.ending.is_complete:
+            raise SimulationError.of(
+                "study/incomplete", f"{name} run: {run.ending.message}", where=str(run.ending.path)
+            )
+        return run
+
+    @property
+    def was_interrupted(self) -> bool:
+        """Whether the last run was interrupted."""
+        return bool(self.runs) and list(self.runs.values())[-1].ending.status is RunStatus.INTERRUPTED
+
+
+class IncompleteStudy(SimulationError):
+    """A study was interrupted, or one of its stages failed; `so_far` holds what was made."""
+
+    so_far: StudySoFar
     was_interrupted: bool
 
     @classmethod
-    def after(cls, runs: Mapping[str, Trajectory]) -> IncompleteStudy:
-        """The error for the last of these runs."""
-        name, last = list(runs.items())[-1]
-        error = cls([Diagnostic("study/incomplete", f"the {name} run {last.ending.message}", str(last.ending.path))])
-        error.runs = dict(runs)
-        error.was_interrupted = last.ending.status is RunStatus.INTERRUPTED
+    def because(cls, cause: ProperModelError | KeyboardInterrupt, so_far: StudySoFar) -> IncompleteStudy:
+        """The error for what stopped a study."""
+        if isinstance(cause, ProperModelError):
+            error = cls(cause.diagnostics)
+            error.was_interrupted = so_far.was_interrupted
+        else:
+            error = cls([Diagnostic("study/incomplete", "interrupted; what was computed is kept")])
+            error.was_interrupted = True
+        error.so_far = so_far
         return error
 
 
@@ -99,35 +147,29 @@ def run_study(
         progress: Called with the name of each stage, and about ten times a second during a run.
 
     Raises:
-        ProperModelError: a stage found something wrong; `IncompleteStudy` keeps the runs made until then.
+        IncompleteStudy: it stopped after the first run had begun.
+        ProperModelError: the model, scenario or options are wrong.
     """
-    options = options or StudyOptions()
-    runs: dict[str, Trajectory] = {}
+    so_far = StudySoFar()
+    try:
+        return _stages(model, scenario, options or StudyOptions(), progress or _say_nothing, so_far)
+    except (ProperModelError, KeyboardInterrupt) as cause:
+        if not so_far.runs:
+            raise
+        raise IncompleteStudy.because(cause, so_far) from cause
 
-    say = progress or _say_nothing
 
-    def run(name: str, compiled: CompiledModel, given: Scenario, step: float, *, everything: bool) -> Trajectory:
-        runs[name] = simulate(
-            compiled,
-            given,
-            method=options.method,
-            step=step,
-            record=None if everything else (),
-            record_every=options.record_every(given),
-            progress=lambda p: say(name, p),
-        )
-        if not runs[name].ending.is_complete:
-            raise IncompleteStudy.after(runs)
-        return runs[name]
-
+def _stages(
+    model: Model, scenario: Scenario, options: StudyOptions, say: StudyProgress, so_far: StudySoFar
+) -> ReductionStudy:
     say("compiling", None)
     compiled = compile_model(model)
     check_outputs(compiled, (*options.outputs, *options.totals.values(), *_shown(options.panels, compiled)))
-    full = run("full", compiled, scenario, options.step, everything=True)
-    refined = run("refined", compiled, scenario, options.step / 2.0, everything=False)
-    ranking = rank_activity(full, refined=refined)
+    full = so_far.run("full", compiled, scenario, options.step, options, say)
+    refined = so_far.run("refined", compiled, scenario, options.step / 2.0, options, say)
+    ranking = so_far.ranking = rank_activity(full, refined=refined)
     say("reducing", None)
-    reduction = plan_reduction(
+    reduction = so_far.reduction = plan_reduction(
         compiled,
         full,
         ranking,
@@ -138,15 +180,9 @@ def run_study(
     )
     reduced_model = compile_model(model.without(reduction.removals))
     fitting = fitting_scenario(reduced_model, scenario)
-    reduced = run("reduced", reduced_model, fitting, options.step, everything=True)
+    reduced = so_far.run("reduced", reduced_model, fitting, options.step, options, say)
     compared = options.outputs or _most_active(ranking, full, reduced)
-    speed = best = None
-    if options.speed_repeats > 0:
-        say("measuring speed", None)
-        speed = measure_speed(full, reduced, compared, options.speed_repeats)
-        if options.best_steps:
-            say("searching the largest steps", None)
-            best = measure_best_steps(full, reduced, compared, options.speed_repeats)
+    speed, best = _speeds(full, reduced, compared, options, say)
     return ReductionStudy(
         options=options,
         full=full,
@@ -161,6 +197,23 @@ def run_study(
         speed=speed,
         best_steps=best,
     )
+
+
+def _speeds(
+    full: Trajectory, reduced: Trajectory, compared: tuple[Path, ...], options: StudyOptions, say: StudyProgress
+) -> tuple[Speed | None, BestSteps | None]:
+    """What is asked for of the speeds; an interruption leaves out what was not measured, not the study."""
+    speed = best = None
+    try:
+        if options.speed_repeats > 0:
+            say("measuring speed", None)
+            speed = measure_speed(full, reduced, compared, options.speed_repeats)
+            if options.best_steps:
+                say("searching steps", None)
+                best = measure_best_steps(full, reduced, compared, options.speed_repeats)
+    except KeyboardInterrupt:
+        say("interrupted", None)
+    return speed, best
 
 
 def _say_nothing(stage: str, progress: Progress | None) -> None:

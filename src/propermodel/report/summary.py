@@ -22,7 +22,7 @@ from propermodel.modelling.model import (
     ZeroEffort,
     ZeroFlow,
 )
-from propermodel.reduction.plan import Decision
+from propermodel.reduction.plan import Decision, Reduction
 from propermodel.report.speed import BestSteps, Speed, Timing
 from propermodel.report.study import ReductionStudy
 from propermodel.report.versions import versions
@@ -39,7 +39,7 @@ def summarise(study: ReductionStudy) -> dict[str, Json]:
     reduction, ranking = study.reduction, study.ranking
     full, reduced = study.full, study.reduced
     check = ranking.discretisation
-    totals = _totals(study)
+    totals, best = _totals(study), study.best_steps
     summary: dict[str, Json] = {
         "format": FORMAT,
         "version": VERSION,
@@ -73,8 +73,10 @@ def summarise(study: ReductionStudy) -> dict[str, Json]:
             "full": _wall(full),
             "reduced": _wall(reduced),
         },
-        "speedup": None if study.speed is None else _speed(study.speed),
-        "speedup_best_steps": None if study.best_steps is None else _best_steps(study.best_steps),
+        "speedup": None if study.speed is None else study.speed.ratio,
+        "speedup_best_steps": None if best is None or best.speed is None else best.speed.ratio,
+        "speed": None if study.speed is None else _speed(study.speed),
+        "speed_best_steps": None if best is None else _best_steps(best),
         "versions": versions(),
     }
     if "fuel_kg" in totals:
@@ -106,10 +108,10 @@ def write_summary(study: ReductionStudy, file: FilePath) -> dict[str, Json]:
     return summary
 
 
-def write_ranking(study: ReductionStudy, file: FilePath) -> None:
+def write_ranking(reduction: Reduction, file: FilePath) -> None:
     """Write the ranking with its decisions as CSV."""
     names = ["rank", "path", "kind", "activity_J", "index", "cumulative", "decision", "removal", "reason"]
-    elements = (_element(decision) for decision in study.reduction.decisions)
+    elements = (_element(decision) for decision in reduction.decisions)
     _write_csv(file, names, ([n, *(e[name] for name in names[1:])] for n, e in enumerate(elements, 1)))
 
 
@@ -186,7 +188,6 @@ def _timing(timing: Timing) -> dict[str, Json]:
 
 def _speed(speed: Speed) -> dict[str, Json]:
     return {
-        "ratio": speed.ratio,
         "window_s": list(speed.window),
         "full": _timing(speed.full),
         "reduced": _timing(speed.reduced),
@@ -195,7 +196,6 @@ def _speed(speed: Speed) -> dict[str, Json]:
 
 def _best_steps(best: BestSteps) -> dict[str, Json]:
     return {
-        "ratio": None if best.speed is None else best.speed.ratio,
         "window_s": list(best.window),
         "full_step_s": best.full_step,
         "reduced_step_s": best.reduced_step,

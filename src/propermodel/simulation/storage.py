@@ -12,12 +12,12 @@ import zipfile
 from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from propermodel.codegen.machine import FloatArray
-from propermodel.diagnostics import DocumentError, Path, Source, nearest, parse_path, portable_file
+from propermodel.diagnostics import DocumentError, Path, Source, nearest, portable_file
 from propermodel.expressions.core import Expr
 from propermodel.modelling.documents import (
     from_document,
@@ -123,7 +123,7 @@ def save_trajectory(
             "status": trajectory.ending.status.value,
             "message": trajectory.ending.message,
             "time_s": trajectory.ending.time,
-            "path": str(trajectory.ending.path),
+            "path": list(trajectory.ending.path),
         },
         "statistics": {
             "steps": trajectory.statistics.steps,
@@ -131,9 +131,9 @@ def save_trajectory(
             "build_s": trajectory.statistics.build_s,
         },
         "columns": [
-            [str(path), trajectory.unit(path), place[trajectory.recorded[known[path].index]]] for path in chosen
+            [list(path), trajectory.unit(path), place[trajectory.recorded[known[path].index]]] for path in chosen
         ],
-        "powers": [[p.kind, str(p.path)] for p in trajectory.compiled.lowered.powers],
+        "powers": [[p.kind, list(p.path)] for p in trajectory.compiled.lowered.powers],
         "scenario": to_scenario_document(trajectory.scenario),
         "model": to_document(trajectory.compiled.model),
     }
@@ -193,8 +193,8 @@ def load_trajectory(file: str | os.PathLike[str]) -> StoredTrajectory:
 
 
 def _opened(header: dict[str, Any], arrays: Mapping[str, FloatArray]) -> StoredTrajectory:
-    rows = [(parse_path(path), str(unit), int(column)) for path, unit, column in header["columns"]]
-    powers = {parse_path(path): index for index, (kind, path) in enumerate(header["powers"]) if kind != "outside"}
+    rows = [(_path(path), str(unit), int(column)) for path, unit, column in header["columns"]]
+    powers = {_path(path): index for index, (kind, path) in enumerate(header["powers"]) if kind != "outside"}
     width = 1 + max((column for _, _, column in rows), default=-1)
     times, marks = len(arrays["time"]), len(arrays["integral_times"])
     expected = {
@@ -222,7 +222,7 @@ def _opened(header: dict[str, Any], arrays: Mapping[str, FloatArray]) -> StoredT
             RunStatus(ending["status"]),
             str(ending["message"]),
             float(ending["time_s"]),
-            parse_path(ending["path"]),
+            _path(ending["path"]),
         ),
         statistics=Statistics(int(statistics["steps"]), float(statistics["wall_s"]), float(statistics["build_s"])),
         _columns=arrays["columns"],
@@ -231,6 +231,13 @@ def _opened(header: dict[str, Any], arrays: Mapping[str, FloatArray]) -> StoredT
         _activities=arrays["activities"],
         _powers=powers,
     )
+
+
+def _path(names: Any) -> Path:
+    """A path from its names, which may themselves hold dots."""
+    if not isinstance(names, list):
+        raise TypeError(f"'{names!r:.60}' is not a list of names")
+    return Path(str(name) for name in cast("list[Any]", names))
 
 
 def _refused(file: str | os.PathLike[str], code: str, message: str) -> DocumentError:

@@ -1,0 +1,307 @@
+"""The commands, as a user types them."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from propermodel.cli.app import app
+from propermodel.cli.models import NAMED_MODELS
+from propermodel.cli.options import MethodName
+from propermodel.compiler import Method, compile_model
+from propermodel.modelling.documents import read_model, write_model
+
+FILE = Path(__file__).with_name("quarter_car.py")
+MODEL = f"{FILE}:QuarterCar"
+
+
+def invoke(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def succeed(*arguments: object) -> str:
+    done = invoke(*arguments)
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+def fail(code: int, *arguments: object) -> str:
+    done = invoke(*arguments)
+    assert done.exit_code == code, done.output
+    assert "Traceback" not in done.output
+    return done.stderr
+
+
+@pytest.fixture(scope="module")
+def reduced(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    out = tmp_path_factory.mktemp("study")
+    options = ["--threshold", "0.97", "--tolerance", "0.1", "--step", "0.001", "--output", "body.flange.flow"]
+    return out, succeed("reduce", MODEL, "--out", out, *options)
+
+
+# -- reduce ---------------------------------------------------------------------------------------------
+
+
+def test_reduce_prints_decisions_errors_and_files(reduced: tuple[Path, str]):
+    out, printed = reduced
+    lines = printed.splitlines()
+    wheel = next(line for line in lines if line.startswith("wheel "))
+    assert "removed" in wheel
+    assert "no effort" in wheel
+    assert any(line.startswith("body.flange.flow ") and line.endswith("m/s") for line in lines)
+    assert "4 states become 3" in lines
+    assert "6 energy elements; the threshold keeps 4" in lines
+    for name in ("activity.png", "outputs.png", "summary.json", "reduced_model.json"):
+        assert (out / name).is_file()
+        assert (out / name).as_posix() in printed
+    assert all(line == line.rstrip() for line in lines)
+
+
+def test_the_reduced_model_can_be_run_and_shown_again(reduced: tuple[Path, str]):
+    out, _ = reduced
+    assert len(read_model(out / "reduced_model.json").removals) == 2
+    shown = succeed("show", out / "reduced_model.json")
+    assert "no effort at wheel.flange" in shown
+    report = json.loads(
+        succeed("run", out / "reduced_model.json", "--scenario", out / "reduced_scenario.json", "--json")
+    )
+    assert report["status"] == "completed"
+    assert report["time_s"] == 10.0
+    assert set(report["outputs"]) == {
+        "body.momentum",
+        "suspension.spring.displacement",
+        "tyre.spring.displacement",
+    }
+
+
+def test_starts_of_removed_storage_are_left_out_of_the_reduced_scenario(tmp_path: Path):
+    arguments = ["--scenario", "bouncing", "--threshold", "0.5", "--tolerance", "1", "--no-speed", "--json"]
+    summary = json.loads(succeed("reduce", MODEL, "--out", tmp_path, *arguments, "--step", "0.001"))
+    gone = {element["path"] for element in summary["elements"] if element["decision"] == "removed"}
+    scenario = json.loads((tmp_path / "reduced_scenario.json").read_text())
+    assert ("wheel" in gone) == (not scenario["initial"])
+
+
+def test_settings_reach_both_models(tmp_path: Path):
+    arguments = ["--set", "body_mass=0.9 t", "--output", "body.flange.flow", "--no-speed", "--step", "0.001"]
+    succeed("reduce", MODEL, "--out", tmp_path, *arguments, "--json")
+    for name in ("scenario.json", "reduced_scenario.json"):
+        assert json.loads((tmp_path / name).read_text())["parameters"] == {"body_mass": 900.0}
+
+
+def test_json_is_the_summary_file(tmp_path: Path):
+    printed = succeed("reduce", MODEL, "--out", tmp_path, "--until", "1", "--no-speed", "--step", "0.001", "--json")
+    assert json.loads(printed) == json.loads((tmp_path / "summary.json").read_text())
+
+
+# -- other commands -------------------------------------------------------------------------------------
+
+
+def test_run_prints_a_summary_and_writes_what_was_recorded(tmp_path: Path):
+    printed = succeed("run", MODEL, "--until", "2", "--method", "rk4", "--step", "0.002", "--out", tmp_path)
+    assert printed.startswith("quarter_car, scenario waves: completed to 2 s; 1000 steps of 0.002 s (rk4)")
+    assert "energy balance: sources" in printed
+    header = (tmp_path / "outputs.csv").read_text().splitlines()[0]
+    assert header.split(",")[:2] == ["time_s", "body.momentum [N.s]"]
+    assert (tmp_path / "trajectory.npz").is_file()
+
+
+def test_activity_prints_the_ranking_with_its_check():
+    printed = succeed("activity", MODEL, "--step", "0.001")
+    rows = [line.split()[0] for line in printed.splitlines()[2:8]]
+    assert rows[0] == "suspension.spring"
+    assert rows[-1] == "tyre.damper"
+    assert "at a step of 0.0005 s instead of 0.001 s indices change by at most" in printed
+
+
+def test_activity_of_a_window_and_without_a_check():
+    report = json.loads(succeed("activity", MODEL, "--window", 2, 5, "--no-refine", "--json"))
+    assert report["window_s"] == [2.0, 5.0]
+    assert report["discretisation_check_points"] is None
+    assert sum(element["index"] for element in report["elements"]) == pytest.approx(1.0)
+
+
+def test_show_tells_the_tree_by_default():
+    printed = succeed("show", MODEL)
+    assert printed.splitlines()[0] == "quarter_car  QuarterCar"
+    assert "spring  Spring  A linear spring." in printed
+
+
+def test_show_tells_where_values_come_from():
+    printed = succeed("show", MODEL, "--parameters").splitlines()
+    assert next(line.split(maxsplit=4) for line in printed if line.startswith("body_mass")) == [
+        "body_mass",
+        "1200",
+        "kg",
+        "estimated",
+        "a weighbridge",
+    ]
+    assert next(line.split() for line in printed if line.startswith("body.mass")) == [
+        "body.mass",
+        "1200",
+        "kg",
+        "body_mass",
+    ]
+
+
+def test_show_tells_causality_and_equations():
+    printed = succeed("show", MODEL, "--causality", "--equations")
+    assert "integral causality preferred" in printed
+    assert "d/dt body.momentum" in printed
+
+
+def test_check_of_a_sound_model():
+    assert succeed("check", MODEL).splitlines()[0] == "quarter_car: no faults"
+
+
+def test_check_prints_every_fault_and_fails():
+    printed = fail(1, "check", f"{FILE}:Unfinished")
+    assert "error[model/unconnected-port]" in printed
+    assert "spring.b" in printed
+    assert "fault" in printed.splitlines()[-1]
+    assert str(FILE.parent) not in printed  # places are given relative to the project
+
+
+def test_version_comes_first():
+    lines = succeed("--version").splitlines()
+    assert lines[0].startswith("propermodel ")
+    assert lines[1].startswith("platform ")
+    assert lines[2].startswith("CPU ")
+    assert lines[3].startswith("LLVM ")
+
+
+@pytest.mark.parametrize("name", NAMED_MODELS)
+def test_models_of_the_library_have_what_their_entry_says(name: str):
+    from propermodel.cli.models import load_subject
+    from propermodel.report.study import check_outputs
+    from propermodel.simulation.start import begin
+
+    subject = load_subject(name)
+    compiled = compile_model(subject.model)
+    check_outputs(compiled, (*subject.outputs, *subject.totals.values()))
+    begin(compiled, subject.scenario)
+
+
+def test_demo_writes_a_study(tmp_path: Path):
+    printed = succeed("demo", "--out", tmp_path, "--until", "1")
+    assert (tmp_path / "mission.png").as_posix() in printed
+    assert (tmp_path / "summary.json").is_file()
+
+
+def test_methods_have_the_names_of_the_compiler():
+    assert [name.value for name in MethodName] == [method.value for method in Method]
+
+
+# -- wrong arguments ------------------------------------------------------------------------------------
+
+
+def test_unknown_model():
+    assert fail(2, "run", "half-kar") == (
+        "error[command/unknown-model]: there is no model 'half-kar'\n  help: did you mean 'half-car'?\n"
+    )
+
+
+def test_unknown_class():
+    assert "help: did you mean 'QuarterCar'?" in fail(2, "run", f"{FILE}:QuarterCra")
+
+
+def test_a_file_without_a_class_offers_its_components():
+    printed = fail(2, "show", FILE)
+    assert "say which one is the model" in printed
+    assert f"{FILE}:QuarterCar" in printed
+
+
+def test_something_that_is_no_component():
+    assert "'gives Scenario" not in fail(2, "show", f"{FILE}:waves")
+    assert "gives Scenario, which is no component or model" in fail(2, "show", f"{FILE}:waves")
+
+
+def test_a_file_that_is_not_there():
+    assert "error[command/file]: there is no file 'gone.py'" in fail(2, "check", "gone.py:Car")
+    assert "error[document/file]" in fail(1, "check", "gone.json")
+
+
+def test_a_file_that_cannot_be_imported(tmp_path: Path):
+    file = tmp_path / "wrong_import.py"
+    file.write_text("import math\n\nmath.nothing\n")
+    printed = fail(2, "check", f"{file}:Car")
+    assert "the file cannot be imported: AttributeError" in printed
+    assert "wrong_import.py:3" in printed
+
+
+def test_unknown_scenario():
+    assert "help: did you mean 'bouncing'?" in fail(2, "run", MODEL, "--scenario", "bouncy")
+    assert "one of waves, bouncing, scenario" in fail(2, "run", MODEL, "--scenario", "xyz")
+
+
+def test_scenario_of_a_file_and_of_another_model(tmp_path: Path):
+    printed = succeed("run", MODEL, "--scenario", f"{FILE}:bouncing", "--step", "0.001")
+    assert "scenario bouncing: completed to 4 s" in printed
+    write_model(compile_model(_model()).model, tmp_path / "car.json")
+    assert "document of format 'propermodel-scenario'" in fail(2, "run", MODEL, "--scenario", tmp_path / "car.json")
+
+
+def _model():
+    from propermodel.cli.models import load_subject
+
+    return load_subject(MODEL).model
+
+
+def test_wrong_settings_are_all_reported():
+    settings = ["body_mas=3", "body_mass=3 m", "body_mass", "wheel.mass=heavy", "suspension.stiffness=20 kN/m"]
+    printed = fail(2, "run", MODEL, *(part for setting in settings for part in ("--set", setting)))
+    assert printed.count("error[") == 4
+    assert "the model has no parameter 'body_mas'\n  help: did you mean 'body_mass'?" in printed
+    assert "'3 m' has the dimension m, not that of kg" in printed
+    assert "'--set body_mass' has no '='" in printed
+    assert "'heavy' is not a number with a unit" in printed
+
+
+def test_a_value_out_of_range():
+    assert "lies outside 100 to inf" in fail(2, "run", MODEL, "--set", "body_mass=5 kg")
+
+
+def test_unknown_output_is_found_before_the_run(tmp_path: Path):
+    printed = fail(2, "reduce", MODEL, "--out", tmp_path, "--output", "body.flange.flw")
+    assert "did you mean 'body.flange.flow'?" in printed
+
+
+def test_a_run_that_fails_numerically_says_so_and_keeps_what_was_computed(tmp_path: Path):
+    done = invoke("run", MODEL, "--method", "euler", "--step", "0.3", "--until", "900", "--out", tmp_path)
+    assert done.exit_code == 1
+    assert "is no longer a finite number; try a smaller step" in done.stdout
+    assert (tmp_path / "trajectory.npz").is_file()
+    done = invoke("reduce", MODEL, "--method", "euler", "--step", "0.3", "--until", "900", "--out", tmp_path)
+    assert done.exit_code == 1
+    assert "error[study/incomplete]: full run: stopped at" in done.stderr
+    assert (tmp_path / "full.npz").is_file()
+
+
+# -- as a process ---------------------------------------------------------------------------------------
+
+COMMAND = [sys.executable, "-c", "from propermodel.cli import main; main()"]
+
+
+def test_the_command_runs_as_a_process_without_progress_in_a_pipe():
+    done = subprocess.run([*COMMAND, "run", MODEL, "--until", "1"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert "completed to 1 s" in done.stdout
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for one process")
+def test_an_interrupted_run_keeps_what_was_computed(tmp_path: Path):
+    arguments = ["run", MODEL, "--until", "1e7", "--record-every", "1000", "--step", "1e-3", "--out", str(tmp_path)]
+    process = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    process.send_signal(signal.SIGINT)
+    printed, _ = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "what was computed is kept" in printed
+    assert (tmp_path / "trajectory.npz").is_file()
