@@ -17,6 +17,7 @@ from propermodel.modelling import (
     EffortSource,
     Electrical,
     FlowSource,
+    Gyrator,
     Model,
     MultiportResistance,
     Parameter,
@@ -202,6 +203,27 @@ class UnitLever(Transformer):
 
     def modulus(self) -> float:
         return 1.0
+
+
+class Drag(Resistance):
+    """Friction against the ground that grows with speed."""
+
+    flange = Port(Translation)
+    damping: Parameter = parameter("N.s/m")
+
+    def effort(self, flow: Expr) -> Expr:
+        return self.damping * flow
+
+
+class VoiceCoil(Gyrator):
+    """Force on a conductor: F = constant i."""
+
+    a = Port(Electrical)
+    b = Port(Translation)
+    constant: Parameter = parameter("V.s/m")
+
+    def modulus(self) -> Expr:
+        return self.constant
 
 
 class SineVoltage(EffortSource):
