@@ -112,9 +112,7 @@ class _Check:
             for outer in port.between or ():
                 other = self.ports.get(outer)
                 if other is None or other.between is not None or other.domain != port.domain:
-                    self.fault(
-                        f"port '{port.name}' is between '{outer}', which is no plain port of its domain"
-                    )
+                    self.fault(f"port '{port.name}' is between '{outer}', which is no plain port of its domain")
             if port.between and port.between[0] == port.between[1]:
                 self.fault(f"port '{port.name}' is between one port and itself")
             if port.between and (
@@ -135,16 +133,12 @@ class _Check:
             if only_parameters and kind is not SymbolKind.PARAMETER:
                 self.fault(f"{what} mentions '{path}', which is not a parameter")
             elif kind is not SymbolKind.TIME and leaf.data.unit not in self.units(kind, path):
-                self.fault(
-                    f"{what} mentions the {kind} '{path}' ({leaf.data.unit or '1'}), which does not exist"
-                )
+                self.fault(f"{what} mentions the {kind} '{path}' ({leaf.data.unit or '1'}), which does not exist")
         # The arity of a look-up is that of its table.
         for node in _lookups(expr):
             axes = self.axes(node.args[0].data.path)
             if axes is not None and axes != len(node.args) - 1:
-                self.fault(
-                    f"{what} looks up '{node.args[0].data.path}' with {len(node.args) - 1} coordinates"
-                )
+                self.fault(f"{what} looks up '{node.args[0].data.path}' with {len(node.args) - 1} coordinates")
 
     def owner(self, path: Path) -> Definition | None:
         """The definition that declares the last name of a path."""
@@ -182,9 +176,7 @@ class _Check:
                 states = behaviour.states if isinstance(behaviour, Block) else coordinates
                 known = {c.name: c.unit for c in states}
             case SymbolKind.DISCRETE:
-                known = {
-                    n: unit for n, unit, _ in (behaviour.starts if isinstance(behaviour, Sampled) else ())
-                }
+                known = {n: unit for n, unit, _ in (behaviour.starts if isinstance(behaviour, Sampled) else ())}
             case _:
                 known = {}
         return {known[path.name]} if path.name in known else set()
@@ -216,9 +208,7 @@ class _Check:
             self.expr(value, f"the value of '{part.name}.{name}'", only_parameters=True)
         for name, table in part.tables:
             if name in specs and len(table.grids) != len(specs[name].values.grids):
-                self.fault(
-                    f"the table '{part.name}.{name}' has another number of grids than it is declared with"
-                )
+                self.fault(f"the table '{part.name}.{name}' has another number of grids than it is declared with")
 
     def names(self, given: Iterable[str], known: Iterable[str], what: str, *, all_of: bool = False) -> None:
         """Names are known and given once; with `all_of`, each is given."""
@@ -314,9 +304,7 @@ class _Check:
                     self.fault("a connection joins nothing", source=connection.source)
                 if len(domains) > 1:
                     joined = ", ".join(sorted(str(d) for d in domains))
-                    self.fault(
-                        f"a connection joins ports of different domains ({joined})", source=connection.source
-                    )
+                    self.fault(f"a connection joins ports of different domains ({joined})", source=connection.source)
             case HalfArrow():
                 for path in (connection.tail, connection.head):
                     part = self.parts.get(path.name) if len(path) == 1 else None
@@ -329,9 +317,7 @@ class _Check:
                         self.fault(f"there is no signal '{path}' to drive", source=connection.source)
             case OpenPort():
                 if len(connection.port) != 1 or connection.port.name not in self.ports:
-                    self.fault(
-                        f"there is no port '{connection.port}' to leave open", source=connection.source
-                    )
+                    self.fault(f"there is no port '{connection.port}' to leave open", source=connection.source)
 
     def port_domain(self, path: Path, source: Source) -> str | None:
         """The domain of a port of the definition or of a direct part."""

@@ -289,6 +289,11 @@ def _names(cls: type, declarations: Mapping[str, Any]) -> dict[int, str]:
                     help="make each part its own: front = Axle(...), rear = Axle(...)",
                 )
             names[id(member)] = f"{name}[{index}]" if isinstance(value, Repeated) else name
+    # What a subclass declares anew is meant wherever the class it inherits from names the old.
+    for base in cls.__mro__[1:]:
+        for key, name in getattr(base, "names", {}).items():
+            if name.partition("[")[0] in declarations:
+                names.setdefault(key, name)
     return names
 
 
@@ -303,6 +308,16 @@ def replace(component: Component, **changes: Any) -> Any:
                 f"{type(component).__name__} has no part or parameter '{name}'",
                 source=call_site(1),
                 help=nearest(name, component.declarations),
+            )
+        if isinstance(declared, Component) is not isinstance(change, Component) or isinstance(
+            declared, (Port, Repeated)
+        ):
+            raise ModelError.of(
+                "model/replace",
+                f"'{name}' of {type(component).__name__} is a {type(declared).__name__} "
+                f"and cannot become a {type(change).__name__}",
+                source=call_site(1),
+                help="replace a part by a part, and a parameter or table by its new value",
             )
         (replaced if isinstance(declared, Component) else values)[name] = change
     variant = object.__new__(type(component))

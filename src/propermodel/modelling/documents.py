@@ -109,9 +109,7 @@ def _input(data: Json, place: Place) -> float | TableValues:
 _PLAIN_TABLE = record(TableValues, grids=many(many(FINITE)), values=many(FINITE))
 TABLE_VALUES: Codec[TableValues] = Codec(_PLAIN_TABLE.write, _read_table)
 INPUT: Codec[float | TableValues] = Codec(
-    lambda value, refs: (TABLE_VALUES if isinstance(value, TableValues) else FINITE).write(
-        cast("Any", value), refs
-    ),
+    lambda value, refs: (TABLE_VALUES if isinstance(value, TableValues) else FINITE).write(cast("Any", value), refs),
     _input,
 )
 NAMED_EXPR = together(NAME, EXPR)
@@ -148,9 +146,7 @@ BEHAVIOUR = tagged(
         JunctionKind,
         Codec(
             lambda kind, _: {"kind": kind.value},
-            lambda data, place: choice(JunctionKind).read(
-                as_object(data, place).get("kind"), place.key("kind")
-            ),
+            lambda data, place: choice(JunctionKind).read(as_object(data, place).get("kind"), place.key("kind")),
         ),
     ),
     block=(
@@ -408,8 +404,7 @@ def _opened(document: Json, wanted: str, top: Place) -> dict[str, Json]:
         what = described(version) if version is not None else "missing"
         raise _refused(
             "document/version",
-            f"the version of this {wanted} document is {what.removeprefix('the number ')}; "
-            f"version {VERSION} is read",
+            f"the version of this {wanted} document is {what.removeprefix('the number ')}; version {VERSION} is read",
             "open it with the release that wrote it, or a later one",
         )
     return given
@@ -460,18 +455,14 @@ def _read(path: str | os.PathLike[str], read: Callable[[Json], T]) -> T:
         problem = _refused("document/json", "the file is not text in UTF-8")
     except ProperModelError as error:
         problem = error
-    raise DocumentError(
-        [dataclasses.replace(d, source=Source(file, 0)) for d in problem.diagnostics]
-    ) from problem
+    raise DocumentError([dataclasses.replace(d, source=Source(file, 0)) for d in problem.diagnostics]) from problem
 
 
 def _parsed(text: str) -> Json:
     try:
         return json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
-        raise _refused(
-            "document/json", f"the file is not JSON: {error.msg} in line {error.lineno}"
-        ) from error
+        raise _refused("document/json", f"the file is not JSON: {error.msg} in line {error.lineno}") from error
     except RecursionError:
         raise _refused("document/json", "the file is not a document: its JSON is nested too deeply") from None
     except ValueError as error:

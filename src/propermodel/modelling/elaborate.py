@@ -11,6 +11,7 @@ from propermodel.expressions.core import Expr, leaves, number
 from propermodel.expressions.dimensions import DimensionMismatch, dimension_of
 from propermodel.expressions.interpret import interpret
 from propermodel.expressions.units import dimension_text, parse_unit
+from propermodel.modelling.checks import faults_of
 from propermodel.modelling.components import Component, Parameter, Port, Repeated, Table, in_unit
 from propermodel.modelling.connections import Bonded, Driven, Joined, Open, Wiring
 from propermodel.modelling.domains import DomainData
@@ -49,7 +50,10 @@ def elaborate(component: Component, *, name: str | None = None) -> Model:
     root_name = name or _snake(type(component).__name__)
     root = build.part(root_name, component, build.values(component, root_name, None))
     build.faults.raise_if_any()
-    return Model(name=root_name, root=root, domains=tuple(build.domains.values()))
+    model = Model(name=root_name, root=root, domains=tuple(build.domains.values()))
+    build.faults.found.extend(faults_of(model))
+    build.faults.raise_if_any()
+    return model
 
 
 def _snake(name: str) -> str:
@@ -92,9 +96,7 @@ class _Elaboration:
             type_name=cls.__name__,
             doc=(cls.__doc__ or "").strip().split("\n")[0],
             ports=ports,
-            parameters=tuple(
-                _parameter(tracer, n, p) for n, p in cls.declarations.items() if isinstance(p, Parameter)
-            ),
+            parameters=tuple(_parameter(tracer, n, p) for n, p in cls.declarations.items() if isinstance(p, Parameter)),
             tables=tuple(_table(n, t) for n, t in cls.declarations.items() if isinstance(t, Table)),
             signals=tuple(
                 SignalData(
@@ -118,9 +120,7 @@ class _Elaboration:
         known = self.domains.setdefault(data.name, data)
         if known != data:
             self.faults.add(
-                Diagnostic(
-                    "model/two-domains", f"two different domains are called '{data.name}'", source=port.source
-                )
+                Diagnostic("model/two-domains", f"two different domains are called '{data.name}'", source=port.source)
             )
         between = None
         if port.between is not None:
@@ -166,30 +166,23 @@ class _Elaboration:
             result.append((key, resolved))
         return tuple(result)
 
-    def check_value(
-        self, component: Component, name: str, key: str, declared: Parameter, value: Expr
-    ) -> None:
+    def check_value(self, component: Component, name: str, key: str, declared: Parameter, value: Expr) -> None:
         """Report a value outside its declared range or of another dimension."""
         plain = number(value)
         if plain is not None:
-            factor = (
-                parse_unit(declared.unit).factor if declared.low > -1e308 or declared.high < 1e308 else 1.0
-            )
+            factor = parse_unit(declared.unit).factor if declared.low > -1e308 or declared.high < 1e308 else 1.0
             if not declared.low * factor <= plain <= declared.high * factor:
                 self.fault(
                     component,
                     name,
                     "model/parameter-range",
-                    f"'{key}' is {plain / factor:g} {declared.unit}, "
-                    f"outside {declared.low:g} to {declared.high:g}",
+                    f"'{key}' is {plain / factor:g} {declared.unit}, outside {declared.low:g} to {declared.high:g}",
                 )
             return
         try:
             found = dimension_of(value)
         except DimensionMismatch as mismatch:
-            self.fault(
-                component, name, "model/dimension", f"'{key}' is not dimensionally consistent: {mismatch}"
-            )
+            self.fault(component, name, "model/dimension", f"'{key}' is not dimensionally consistent: {mismatch}")
             return
         if found is not None and found != parse_unit(declared.unit).dimension:
             self.fault(
@@ -247,9 +240,7 @@ class _Elaboration:
             unit = tracer.local(target).data.unit
             try:
                 found = dimension_of(value)
-                problem = (
-                    "" if found in (None, parse_unit(unit).dimension) else f"{dimension_text(found or ())}"
-                )
+                problem = "" if found in (None, parse_unit(unit).dimension) else f"{dimension_text(found or ())}"
             except DimensionMismatch as mismatch:
                 problem = str(mismatch)
             if problem:
@@ -267,8 +258,7 @@ def _place(cls: type[Component], item: Port[Any] | Component) -> Path:
     if isinstance(item, Component) and not isinstance(item, Junction):
         raise ModelError.of(
             "model/bond",
-            f"{cls.__name__} bonds the part '{cls.names.get(id(root), type(item).__name__)}', "
-            "which is not a junction",
+            f"{cls.__name__} bonds the part '{cls.names.get(id(root), type(item).__name__)}', which is not a junction",
             source=cls.defined_at,
             help="name one of its ports",
         )

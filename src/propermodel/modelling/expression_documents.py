@@ -109,9 +109,7 @@ def _read_node(data: Json, before: list[Expr], place: Place) -> Expr:
             return _read_operation(_OPERATIONS[name], rest, before, place)
         case _:
             first = described(items[0]) if items else "an empty list"
-            raise place.fault(
-                f"expected a node of an expression, found {first} with {max(len(items) - 1, 0)} values"
-            )
+            raise place.fault(f"expected a node of an expression, found {first} with {max(len(items) - 1, 0)} values")
 
 
 def _read_symbol(kind: Json, path: Path, unit: str, place: Place) -> Expr:
@@ -150,9 +148,7 @@ def _check(op: Op, axis: int | None, args: tuple[Expr, ...], place: Place) -> No
         raise place.fault(f"'{op}' has a table where a number is due, or a number where a table is due")
     wants = len(args) if op in (Op.AND, Op.OR, Op.NOT) else 1 if op is Op.WHERE else 0
     if [arg.op in CONDITIONS for arg in args] != [n < wants for n in range(len(args))]:
-        raise place.fault(
-            f"'{op}' has a condition where a number is due, or a number where a condition is due"
-        )
+        raise place.fault(f"'{op}' has a condition where a number is due, or a number where a condition is due")
     if op is Op.POWER and number(args[1]) is None:
         raise place.fault("the exponent of a power must be a bare number")
     if op is Op.DIVIDE and is_zero(args[1]):

@@ -100,9 +100,7 @@ def as_index(data: Json, length: int, place: Place) -> int:
     if isinstance(data, bool) or not isinstance(data, int):
         raise place.fault(f"expected the number of an earlier entry, found {described(data)}")
     if not 0 <= data < length:
-        raise place.fault(
-            f"refers to entry {described(data).removeprefix('the number ')}, which is not before it"
-        )
+        raise place.fault(f"refers to entry {described(data).removeprefix('the number ')}, which is not before it")
     return data
 
 
@@ -186,9 +184,7 @@ def read_number(data: Json, place: Place) -> float:
     except OverflowError:
         raise place.fault(f"the number {data!r:.40} is too large") from None
     if not math.isfinite(value):
-        raise place.fault(
-            "expected a number, found one that is not finite", 'write infinities as "inf" or "-inf"'
-        )
+        raise place.fault("expected a number, found one that is not finite", 'write infinities as "inf" or "-inf"')
     return value
 
 
@@ -256,9 +252,7 @@ def many(inner: Codec[T]) -> Codec[tuple[T, ...]]:
     """Any number of values of one kind."""
     return Codec(
         lambda values, references: [inner.write(value, references) for value in values],
-        lambda data, place: tuple(
-            inner.read(item, place.item(i)) for i, item in enumerate(as_list(data, place))
-        ),
+        lambda data, place: tuple(inner.read(item, place.item(i)) for i, item in enumerate(as_list(data, place))),
     )
 
 
@@ -269,14 +263,10 @@ def together(*inner: Codec[Any]) -> Codec[Any]:
         items = as_list(data, place)
         if len(items) != len(inner):
             raise place.fault(f"expected a list of {len(inner)}, found one of {len(items)}")
-        return tuple(
-            c.read(item, place.item(i)) for i, (c, item) in enumerate(zip(inner, items, strict=True))
-        )
+        return tuple(c.read(item, place.item(i)) for i, (c, item) in enumerate(zip(inner, items, strict=True)))
 
     return Codec(
-        lambda values, references: [
-            c.write(value, references) for c, value in zip(inner, values, strict=True)
-        ],
+        lambda values, references: [c.write(value, references) for c, value in zip(inner, values, strict=True)],
         read,
     )
 
@@ -284,12 +274,9 @@ def together(*inner: Codec[Any]) -> Codec[Any]:
 def by_path(inner: Codec[T]) -> Codec[Mapping[Path, T]]:
     """Values by path, as an object."""
     return Codec(
-        lambda values, references: {
-            path_text(path): inner.write(v, references) for path, v in values.items()
-        },
+        lambda values, references: {path_text(path): inner.write(v, references) for path, v in values.items()},
         lambda data, place: {
-            _read_path(key, place): inner.read(value, place.key(key))
-            for key, value in as_object(data, place).items()
+            _read_path(key, place): inner.read(value, place.key(key)) for key, value in as_object(data, place).items()
         },
     )
 
@@ -342,9 +329,7 @@ def tagged(**alternatives: tuple[type, Codec[Any]]) -> Codec[Any]:
         tag = _read_text(given.pop("type", None), place.key("type"))
         if tag not in alternatives:
             options = ", ".join(alternatives)
-            raise place.key("type").fault(
-                f"expected one of {options}; found '{tag:.60}'", nearest(tag, alternatives)
-            )
+            raise place.key("type").fault(f"expected one of {options}; found '{tag:.60}'", nearest(tag, alternatives))
         return alternatives[tag][1].read(given, place)
 
     return Codec(write, read)

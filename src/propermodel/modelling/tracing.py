@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, portable_file
@@ -104,19 +105,23 @@ class Tracer:
         """What a law method gives."""
         try:
             return getattr(self.component, method)(*args)
-        except ModelError:
-            raise
+        except ModelError as error:
+            place = self.failing_line(method)
+            raise ModelError([d if d.source.line else replace(d, source=place) for d in error.diagnostics]) from None
         except Exception as error:
-            trace = inspect.trace()
-            line = next(
-                (f for f in reversed(trace) if portable_file(f.filename) == self.place(method).file), None
-            )
             raise ModelError.of(
                 "model/law",
                 f"the law {self.cls.__name__}.{method} cannot be read: {type(error).__name__}: {error}",
-                source=Source(portable_file(line.filename), line.lineno) if line else self.place(method),
+                source=self.failing_line(method),
                 help="a law gives an expression of its argument, parameters, inputs and states",
             ) from error
+
+    def failing_line(self, method: str) -> Source:
+        """The author's line at which the law being called has failed."""
+        place = self.place(method)
+        files = ((portable_file(frame.filename), frame.lineno) for frame in reversed(inspect.trace()))
+        line = next((line for file, line in files if file == place.file), place.line)
+        return Source(place.file, line)
 
     def law(self, method: str, unit: str, *args: Expr) -> Expr:
         """The expression of a law, checked to have the dimension of `unit`."""
@@ -228,9 +233,7 @@ def _behaviour(tracer: Tracer, cls: type[Component]) -> Behaviour:
         return _multiport_storage(tracer, ElementKind.INERTIA, "momenta", "flows")
     if issubclass(cls, EffortSource):
         _, port = tracer.port()
-        return PowerSource(
-            kind=ElementKind.EFFORT_SOURCE, value=tracer.law("effort", port.domain.effort_unit)
-        )
+        return PowerSource(kind=ElementKind.EFFORT_SOURCE, value=tracer.law("effort", port.domain.effort_unit))
     if issubclass(cls, FlowSource):
         _, port = tracer.port()
         return PowerSource(kind=ElementKind.FLOW_SOURCE, value=tracer.law("flow", port.domain.flow_unit))
@@ -307,9 +310,7 @@ def _one_port_storage(tracer: Tracer, kind: ElementKind, coordinate: str, output
     else:
         gain = derivative(law, state)
         if state in leaves(gain):
-            raise tracer.missing(
-                f"energy({coordinate}), which a nonlinear storage needs for the energy balance"
-            )
+            raise tracer.missing(f"energy({coordinate}), which a nonlinear storage needs for the energy balance")
         energy = gain * state * state / 2.0 + substitute(law, {state: ZERO}) * state
     start = tracer.law("start", unit) if tracer.has("start") else ZERO
     low, high = _limits(tracer)
@@ -325,9 +326,7 @@ def _one_port_storage(tracer: Tracer, kind: ElementKind, coordinate: str, output
 
 def _states(tracer: Tracer) -> tuple[Coordinate, ...]:
     return tuple(
-        Coordinate(
-            name=name, unit=state.unit, start=tracer.resolve(state.start), low=-INFINITY, high=INFINITY
-        )
+        Coordinate(name=name, unit=state.unit, start=tracer.resolve(state.start), low=-INFINITY, high=INFINITY)
         for name, state in tracer.cls.declarations.items()
         if isinstance(state, State)
     )
@@ -337,9 +336,7 @@ def _multiport_storage(tracer: Tracer, kind: ElementKind, stored: str, outputs: 
     coordinates = _states(tracer)
     states = [symbol(SymbolKind.STATE, Path((c.name,)), c.unit) for c in coordinates]
     if len(coordinates) != len(tracer.element_ports):
-        raise tracer.missing(
-            f"one State per port ({len(tracer.element_ports)} ports, {len(coordinates)} states)"
-        )
+        raise tracer.missing(f"one State per port ({len(tracer.element_ports)} ports, {len(coordinates)} states)")
     energy = tracer.law("energy", "J")
     if tracer.has(stored):
         by_port = {path[0]: expr for path, expr in tracer.mapping(stored).items()}
@@ -351,8 +348,7 @@ def _multiport_storage(tracer: Tracer, kind: ElementKind, stored: str, outputs: 
         output_laws = tuple((port, laws[port]) for port in tracer.element_ports)
     else:
         output_laws = tuple(
-            (port, derivative(energy, state))
-            for port, state in zip(tracer.element_ports, states, strict=True)
+            (port, derivative(energy, state)) for port, state in zip(tracer.element_ports, states, strict=True)
         )
     return Storage(kind=kind, coordinates=coordinates, stored=stored_laws, outputs=output_laws, energy=energy)
 
