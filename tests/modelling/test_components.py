@@ -26,12 +26,12 @@ from propermodel.modelling import (
 from tests.parts import Damper, Fixed, Flywheel, Force, Lever, Mass, Spring, SpringDamper
 
 
-def line_of_next() -> str:
-    """The place of the line after the caller's."""
+def line_of_next(lines: int = 1) -> str:
+    """The place of a line after the caller's."""
     frame = inspect.currentframe()
     assert frame is not None
     assert frame.f_back is not None
-    return f"tests/modelling/test_components.py:{frame.f_back.f_lineno + 1}"
+    return f"tests/modelling/test_components.py:{frame.f_back.f_lineno + lines}"
 
 
 class QuarterCar(Component):
@@ -185,8 +185,8 @@ def test_replacement_must_have_the_ports_that_are_connected():
 
 
 def test_unknown_parameter_offers_the_nearest_name():
+    place = line_of_next(2)
     with pytest.raises(ModelError) as caught:
-        place = line_of_next()
         Spring(stifness=3.0)  # pyright: ignore
     (fault,) = caught.value.diagnostics
     assert fault.code == "model/unknown-parameter"

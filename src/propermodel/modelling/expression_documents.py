@@ -142,7 +142,7 @@ def _check(op: Op, axis: int | None, args: tuple[Expr, ...], place: Place) -> No
         arity = {1: "one", 2: "two", 3: "three"}[3 if op is Op.WHERE else 2 if op in _TWO else 1]
         fits = len(args) == (3 if op is Op.WHERE else 2 if op in _TWO else 1)
     if not fits:
-        raise place.fault(f"'{op}' takes {arity} arguments, {len(args)} were given")
+        raise place.fault(f"'{op}' takes {arity} argument{'s' * (arity != 'one')}, {len(args)} were given")
     tables = [_is_table(arg) for arg in args]
     if any(tables[1:]) or tables[0] is not (op in (Op.LOOKUP, Op.SLOPE)):
         raise place.fault(f"'{op}' has a table where a number is due, or a number where a table is due")
