@@ -64,7 +64,7 @@ def flatten(model: Model) -> BondGraph:
     walk.faults.raise_if_any()
     net = Net(original)
     normalise(net, [])
-    make_removals(net, model.removals)
+    make_removals(net, walk.domains, model.removals)
     normal = net.freeze()
     return BondGraph(
         model=model,

@@ -19,6 +19,7 @@ class Net:
         self.bonds: dict[Path, Bond] = {}
         self.incident: dict[Path, dict[Path, None]] = {p: {} for p in (*self.elements, *self.junctions)}
         self.known_zero: dict[Path, Variable] = {}
+        self.probes: set[Path] = set()  # sources of nothing that keep a junction whose variable is read
         for bond in structure.bonds.values():
             self.add(bond)
 

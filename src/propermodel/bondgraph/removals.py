@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 
 from propermodel.bondgraph.graph import Bond, Element, End
 from propermodel.bondgraph.net import Net
 from propermodel.bondgraph.simplify import Zero, normalise
 from propermodel.diagnostics import Diagnostic, Faults, Path, ReductionError, nearest
-from propermodel.expressions.core import Expr, SymbolKind, constant, symbol
+from propermodel.expressions.core import ZERO, Expr, SymbolKind, constant, symbol
+from propermodel.modelling.domains import DomainData
 from propermodel.modelling.model import (
     BondRemoval,
     ConstantEffort,
@@ -27,7 +29,7 @@ from propermodel.modelling.model import (
 _SOURCE = {Variable.EFFORT: ElementKind.EFFORT_SOURCE, Variable.FLOW: ElementKind.FLOW_SOURCE}
 
 
-def make_removals(net: Net, removals: tuple[Removal, ...]) -> None:
+def make_removals(net: Net, domains: Mapping[str, DomainData], removals: tuple[Removal, ...]) -> None:
     """Make the removals in a net in normal form, and bring it to normal form again.
 
     A removal may name a bond that only exists once earlier removals are made (of a model reduced before), so those
@@ -55,12 +57,12 @@ def make_removals(net: Net, removals: tuple[Removal, ...]) -> None:
                         )
                     )
             break
-        normalise(net, _apply(net, possible, faults))
+        normalise(net, _apply(net, domains, possible, faults))
         pending = [removal for removal in pending if removal not in possible]
     faults.raise_if_any()
 
 
-def _apply(net: Net, removals: list[BondRemoval], faults: Faults) -> list[Zero]:
+def _apply(net: Net, domains: Mapping[str, DomainData], removals: list[BondRemoval], faults: Faults) -> list[Zero]:
     """Replace removed elements; gives the bonds that now carry no effort or no flow."""
     zeros: list[Zero] = []
     touched: dict[Path, set[Path]] = {}
@@ -69,6 +71,15 @@ def _apply(net: Net, removals: list[BondRemoval], faults: Faults) -> list[Zero]:
         end = bond.head if bond.head.port else bond.tail
         if end.port:
             touched.setdefault(end.owner, set()).add(removal.bond)
+        elif not isinstance(removal, ZeroEffort | ZeroFlow):
+            faults.add(
+                Diagnostic(
+                    "reduction/no-element",
+                    f"'{removal.bond}' joins two junctions: there is no element to drive or to hold constant",
+                    help="name the bond of an element, or take the whole group away with no effort or no flow",
+                )
+            )
+            continue
         match removal:
             case ZeroEffort():
                 zeros.append((removal.bond, Variable.EFFORT))
@@ -78,7 +89,8 @@ def _apply(net: Net, removals: list[BondRemoval], faults: Faults) -> list[Zero]:
                 variable = Variable.EFFORT if isinstance(removal, ConstantEffort) else Variable.FLOW
                 _replace_by_source(net, bond, end, variable, constant(removal.value))
             case Cut():
-                _cut(net, bond, end, removal.driven)
+                if _can_be_cut(net, bond, end, removal.driven, faults):
+                    _cut(net, domains, bond, end, removal.driven)
     _drop_removed_fields(net, touched, zeros, faults)
     return zeros
 
@@ -99,32 +111,57 @@ def _replace_by_source(net: Net, bond: Bond, end: End, variable: Variable, value
     net.incident[path] = {}
     net.drop(bond.name)
     here = End(path, "port")
-    new = Bond(bond.name, bond.tail, here, bond.domain) if bond.head == end else Bond(bond.name, here, bond.head, bond.domain)
+    new = (
+        Bond(bond.name, bond.tail, here, bond.domain)
+        if bond.head == end
+        else Bond(bond.name, here, bond.head, bond.domain)
+    )
     net.add(new)
 
 
-def _cut(net: Net, bond: Bond, end: End, driven: Variable) -> None:
-    """Let the element be driven by what its junction has, without acting back."""
-    junction = bond.other(end.owner).owner
-    sibling = next(other for other in net.bonds_at(junction) if other.name != bond.name)
-    kind = SymbolKind.EFFORT if driven is Variable.EFFORT else SymbolKind.FLOW
-    value = symbol(kind, sibling.name / driven.value, "")
-    path = end.owner / f"{end.port}_driven"
-    source_kind = _SOURCE[driven]
-    net.elements[path] = Element(
-        path=path,
-        kind=source_kind,
-        ports=("port",),
-        behaviour=PowerSource(kind=source_kind, value=value),
-        row=path,
-        source=net.elements[end.owner].source,
+def _can_be_cut(net: Net, bond: Bond, end: End, driven: Variable, faults: Faults) -> bool:
+    """Whether the element can be driven by this variable: the one that its junction shares."""
+    junction = net.junctions.get(bond.other(end.owner).owner)
+    if junction is not None and junction.kind.common is driven:
+        return True
+    element = net.elements[end.owner]
+    what = "no junction" if junction is None else f"the {junction.kind}-junction {junction.path}"
+    faults.add(
+        Diagnostic(
+            "reduction/cut",
+            f"{bond.name} cannot be driven by the {driven} of {what}",
+            source=element.source,
+            help="an element at a 1-junction is driven by its flow, one at a 0-junction by its effort",
+        )
     )
+    return False
+
+
+def _cut(net: Net, domains: Mapping[str, DomainData], bond: Bond, end: End, driven: Variable) -> None:
+    """Let the element be driven by what its junction has, without acting back."""
+    junction = net.junctions[bond.other(end.owner).owner]
+    # A source of nothing reads the junction's variable, and keeps the junction where there is no more to it.
+    probe = _add_source(net, end.owner / f"{end.port}_probe", driven.other, ZERO, bond.domain, junction.path)
+    net.probes.add(probe.name.parent)
+    kind = SymbolKind.EFFORT if driven is Variable.EFFORT else SymbolKind.FLOW
+    domain = domains[bond.domain]
+    unit = domain.effort_unit if driven is Variable.EFFORT else domain.flow_unit
+    own = junction.path / f"{end.owner.name}_driven"
+    net.add_junction(replace(junction, path=own))
+    net.move(bond.name, junction.path, own)
+    value = symbol(kind, probe.name / driven.value, unit)
+    _add_source(net, end.owner / f"{end.port}_driven", driven, value, bond.domain, own)
+
+
+def _add_source(net: Net, path: Path, variable: Variable, value: Expr, domain: str, junction: Path) -> Bond:
+    """Add a source at a junction."""
+    kind = _SOURCE[variable]
+    behaviour = PowerSource(kind=kind, value=value)
+    net.elements[path] = Element(path=path, kind=kind, ports=("port",), behaviour=behaviour, row=path)
     net.incident[path] = {}
-    node = net.junctions[junction]
-    own = node.path / f"{end.owner.name}_driven"
-    net.add_junction(replace(node, path=own))
-    net.move(bond.name, junction, own)
-    net.add(Bond(path / "port", End(path, "port"), End(own), bond.domain))
+    bond = Bond(path / "port", End(junction), End(path, "port"), domain)
+    net.add(bond)
+    return bond
 
 
 def _drop_removed_fields(net: Net, touched: dict[Path, set[Path]], zeros: list[Zero], faults: Faults) -> None:

@@ -39,7 +39,7 @@ def _zero_sources(net: Net) -> list[Zero]:
     found: list[Zero] = []
     for element in net.elements.values():
         behaviour = element.behaviour
-        if isinstance(behaviour, PowerSource) and is_zero(behaviour.value):
+        if isinstance(behaviour, PowerSource) and is_zero(behaviour.value) and element.path not in net.probes:
             variable = Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
             found.extend((bond.name, variable) for bond in net.bonds_at(element.path))
     return found
