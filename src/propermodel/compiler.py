@@ -17,6 +17,7 @@ from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
 from propermodel.equations.formulate import formulate
+from propermodel.equations.state_selection import select_states
 from propermodel.equations.system import EquationSystem
 from propermodel.modelling.model import Model
 
@@ -57,7 +58,7 @@ def compile_model(model: Model, *, backend: Backend = Backend.NATIVE) -> Compile
     """
     begin = time.perf_counter()
     graph = flatten(model)
-    causal = assign_causality(graph)
+    causal = select_states(assign_causality(graph))
     system = formulate(causal)
     lowered = lower(system)
     return CompiledModel(model, system, lowered, backend, time.perf_counter() - begin)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Stroke, Why
@@ -18,10 +18,14 @@ from propermodel.modelling.model import (
 )
 
 
-def assign_causality(graph: BondGraph) -> CausalGraph:
+def assign_causality(graph: BondGraph, order: Sequence[Path] | None = None) -> CausalGraph:
     """Assign every causal stroke.
 
     Sources first, then laws with one causality, then storage (integral if possible), then free resistances.
+
+    Args:
+        graph: The bond graph in normal form.
+        order: In which order storage is offered integral causality; by default that of the model.
 
     Raises:
         StructureError: strokes contradict each other; the elements that forced them are named.
@@ -34,7 +38,11 @@ def assign_causality(graph: BondGraph) -> CausalGraph:
     for element in elements:
         if isinstance(element.behaviour, Resistive) and len(element.behaviour.laws) == 1:
             work.fix(element, work.law_patterns(element)[0], Why.LAW)
-    integral, derivative = work.assign_storage([e for e in elements if isinstance(e.behaviour, Storage)])
+    storages = [e for e in elements if isinstance(e.behaviour, Storage)]
+    if order is not None:
+        place = {path: number for number, path in enumerate(order)}
+        storages.sort(key=lambda element: place[element.path])
+    integral, derivative = work.assign_storage(storages)
     for element in elements:
         if isinstance(element.behaviour, Resistive):
             work.choose(element)

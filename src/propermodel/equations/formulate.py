@@ -29,6 +29,7 @@ from propermodel.expressions.core import (
     SymbolKind,
     constant,
     divide,
+    is_zero,
     leaves,
     symbol,
     where,
@@ -256,15 +257,49 @@ def _solve_blocks(
             solution.update(zip(symbols, values, strict=True))
             solved.append(SolvedBlock(unknowns=tuple(symbols), paths=paths, kinds=tuple(u.kind for u in members)))
         else:
-            blocks.append(
-                ImplicitBlock(
-                    unknowns=tuple(symbols),
-                    residuals=tuple(residuals),
-                    jacobian=tuple(tuple(row) for row in matrix),
-                    paths=paths,
+            block, eliminated = _reduce_block(members, residuals, matrix)
+            solution.update(eliminated)
+            blocks.append(block)
+            if eliminated:
+                inner = [u for u in members if u.symbol in eliminated]
+                solved.append(
+                    SolvedBlock(
+                        unknowns=tuple(u.symbol for u in inner),
+                        paths=tuple(u.element for u in inner),
+                        kinds=tuple(u.kind for u in inner),
+                    )
                 )
-            )
     return solved, blocks, solution
+
+
+def _reduce_block(
+    members: list[Unknown], residuals: list[Expr], matrix: list[list[Expr]]
+) -> tuple[ImplicitBlock, dict[Expr, Expr]]:
+    """Eliminate the unknowns that a nonlinear block only contains linearly; Newton's method gets the others."""
+    inside = {u.symbol for u in members}
+    nonlinear = {leaf for row in matrix for entry in row for leaf in leaves(entry) if leaf in inside}
+    keep = [i for i, u in enumerate(members) if u.symbol in nonlinear or is_zero(matrix[i][i])]
+    drop = [i for i in range(len(members)) if i not in keep]
+    eliminated: dict[Expr, Expr] = {}
+    if drop:
+        at_zero = Substitution({members[i].symbol: constant(0.0) for i in drop})
+        values = eliminate(
+            [[matrix[i][j] for j in drop] for i in drop],
+            [-at_zero(residuals[i]) for i in drop],
+            [members[i].element for i in drop],
+        )
+        eliminated = {members[i].symbol: value for i, value in zip(drop, values, strict=True)}
+    substitute = Substitution(eliminated)
+    symbols = tuple(members[i].symbol for i in keep)
+    left = tuple(substitute(residuals[i]) for i in keep)
+    partials = partial_derivatives(left, symbols)
+    block = ImplicitBlock(
+        unknowns=symbols,
+        residuals=left,
+        jacobian=tuple(tuple(p.get(s, constant(0.0)) for s in symbols) for p in partials),
+        paths=tuple(members[i].element for i in keep),
+    )
+    return block, eliminated
 
 
 # -- what else the system needs ----------------------------------------------------------------------------

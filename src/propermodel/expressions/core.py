@@ -297,6 +297,10 @@ def multiply(a: ExprLike, b: ExprLike) -> Expr:
         return negate(multiply(x.args[0], y))
     if y.op is Op.NEGATE:
         return negate(multiply(x, y.args[0]))
+    if y.op is Op.DIVIDE and y.args[0] is ONE:
+        return divide(x, y.args[1])
+    if x.op is Op.DIVIDE and x.args[0] is ONE:
+        return divide(y, x.args[1])
     return intern_node(Op.MULTIPLY, (x, y))
 
 

@@ -35,9 +35,7 @@ def _same(node: Expr, dimensions: list[Dimension | None]) -> Dimension | None:
 def _dimensionless(node: Expr, dimensions: list[Dimension | None]) -> Dimension:
     for d in dimensions:
         if d is not None and d != DIMENSIONLESS:
-            raise DimensionMismatch(
-                f"the argument of '{to_text(node)}' is not dimensionless but {dimension_text(d)}"
-            )
+            raise DimensionMismatch(f"the argument of '{to_text(node)}' is not dimensionless but {dimension_text(d)}")
     return DIMENSIONLESS
 
 
@@ -53,9 +51,7 @@ def dimension_of(root: Expr, leaf_units: Mapping[Expr, str] | None = None) -> Di
     return known[root]
 
 
-def _node_dimension(
-    node: Expr, args: list[Dimension | None], leaf_units: Mapping[Expr, str]
-) -> Dimension | None:
+def _node_dimension(node: Expr, args: list[Dimension | None], leaf_units: Mapping[Expr, str]) -> Dimension | None:
     if is_zero(node):
         return None
     match node.op:

@@ -33,9 +33,27 @@ class RunEvidence:
         return cls(compiled, trajectory, structure, structure.at(), bond_activities(trajectory))
 
     def share(self, bond: Bond, junction: Path) -> float:
-        """The activity of a bond against the greatest at a junction (relative activity)."""
-        greatest = max(self.activities[b.name] for b in self.at[junction])
+        """The activity of a bond against the greatest at a junction (relative activity).
+
+        A field counts at the junction with its most active port: what one port does is small when another does more.
+        """
+        greatest = max(self._weight(peer, junction) for peer in self.at[junction])
         return self.activities[bond.name] / greatest if greatest > 0.0 else 0.0
+
+    def _weight(self, bond: Bond, junction: Path) -> float:
+        owner = bond.other(junction).owner
+        ports = self.at[owner] if self.is_field(owner) else [bond]
+        return max(self.activities[b.name] for b in ports)
+
+    def is_field(self, path: Path) -> bool:
+        """Whether a path is a storage or resistance of several ports."""
+        element = self.structure.elements.get(path)
+        return element is not None and element.kind.is_energetic and len(element.ports) > 1
+
+    def meets_field(self, junction: Path) -> bool:
+        """Whether a junction only joins something to one port of a field."""
+        bonds = self.at[junction]
+        return len(bonds) == 2 and any(self.is_field(b.other(junction).owner) for b in bonds)
 
     def column(self, bond: Bond, variable: Variable) -> FloatArray:
         """The recorded effort or flow of a bond."""
@@ -63,6 +81,8 @@ class RunEvidence:
 
         An effort can be large while the flow, and with it the activity, is small: a preload. It must not be dropped.
         """
+        if self.meets_field(junction):
+            return 0.0
         variable = self.structure.junctions[junction].kind.common.other
         sizes = {b.name: float(np.mean(np.abs(self.column(b, variable)))) for b in self.at[junction]}
         greatest = max(sizes.values())

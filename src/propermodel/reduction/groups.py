@@ -1,4 +1,10 @@
-"""Groups of rows that act back on nothing: separated at their boundary, they go as a whole."""
+"""Groups of rows that act back on nothing: separated at their boundary, they go as a whole.
+
+Every link between two junctions (a bond, or a two-port or field between two bonds) is a term in a sum at either end.
+Where the term is small, that end does not feel the other one. Links that are small at one end or both are cut in
+thought; what then hangs together is a part, and a part that none of the staying ones feels is driven by them (Rideout,
+Stein and Louca 2007). It may go.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +14,12 @@ from dataclasses import dataclass
 from propermodel.analysis.activity import ActivityRow
 from propermodel.bondgraph.graph import Bond
 from propermodel.diagnostics import Path
-from propermodel.modelling.model import (
-    ConstantEffort,
-    ConstantFlow,
-    ElementKind,
-    JunctionKind,
-    PowerSource,
-    Removal,
-    Variable,
-    ZeroEffort,
-    ZeroFlow,
-)
+from propermodel.modelling.model import JunctionKind, Removal, ZeroEffort, ZeroFlow
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.single import CONSTANT_GAIN, PRELOAD_SHARE, Proposal
+
+# A driven part that may go although it is active holds at most this share of all activity.
+LARGEST_DRIVEN_SHARE = 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +33,7 @@ class Boundary:
 
 @dataclass(frozen=True)
 class Group:
-    """Junctions and elements that are connected to the rest by small terms only."""
+    """Junctions and elements that are connected to the rest by terms that are small for the rest."""
 
     rows: tuple[Path, ...]
     junctions: tuple[Path, ...]
@@ -48,133 +47,162 @@ class Group:
         edge = (
             "it is connected to nothing else"
             if worst is None
-            else f"what it gives back is at most {worst.share:.2%} of the greatest activity (at {worst.outside})"
+            else f"what the rest feels of it is at most {worst.share:.2%} of the greatest activity (at {worst.outside})"
         )
         others = f"with {len(rows) - 1} other row{'s' if len(rows) > 2 else ''}, " if len(rows) > 1 else ""
         return Proposal(self.rows, self.removals, self.meaning, f"{others}{edge}")
 
 
+@dataclass(frozen=True, slots=True)
+class GroupRules:
+    """The largest share of a term outside a group, and whether active groups may go as driven parts."""
+
+    tolerance: float
+    drop_driven: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Link:
+    """A link between two junctions with the bond at either end."""
+
+    ends: tuple[Path, Path]
+    bonds: tuple[Bond, Bond]
+    small: tuple[bool, bool]
+
+
 def find_groups(
-    evidence: RunEvidence, candidates: set[Path], keep: set[Path], tolerance: float, drop_driven: bool
+    evidence: RunEvidence, candidates: set[Path], staying: set[Path], rules: GroupRules
 ) -> tuple[Group, ...]:
-    """The largest groups of junctions without a row to keep whose terms outside are all within the tolerance."""
-    blocked = _Blocked(evidence, set() if drop_driven else keep)
-    members = {path for path in evidence.structure.junctions if path not in blocked.junctions}
-    found: list[Group] = []
-    while members:
-        failing: set[Path] = set()
-        components = list(_components(evidence, members))
-        good: list[set[Path]] = []
-        for component in components:
-            bad = {
-                inner
-                for bond, inner, outer in _crossings(evidence, component)
-                if not _is_small(evidence, bond, outer, tolerance)
-            }
-            if bad:
-                failing |= bad
-            else:
-                good.append(component)
-        for component in good:
-            group = _group(evidence, component)
-            if group is not None and _may_go(evidence, group, candidates, drop_driven):
-                found.append(group)
-            members -= component
-        members -= failing
-    return tuple(found)
+    """The groups that may go.
+
+    Args:
+        evidence: The run.
+        candidates: Rows below the threshold.
+        staying: Rows and elements that must not lie in a group.
+        rules: What is small, and whether active groups may go.
+    """
+    links = list(_links(evidence, rules.tolerance))
+    parts = _parts(evidence, [link for link in links if not any(link.small)])
+    place = {junction: number for number, part in enumerate(parts) for junction in part}
+    going = {n for n, part in enumerate(parts) if not _holds(evidence, part, staying)}
+    if rules.drop_driven:
+        going.discard(max(range(len(parts)), key=lambda n: _activity(evidence, parts[n]), default=-1))
+    while True:
+        felt = {
+            place[link.ends[side]]
+            for link in links
+            for side in (0, 1)
+            if place[link.ends[side]] in going and place[link.ends[1 - side]] not in going and not link.small[1 - side]
+        }
+        if not felt & going:
+            break
+        going -= felt
+    components = _parts(evidence, [k for k in links if place[k.ends[0]] in going and place[k.ends[1]] in going])
+    groups = [_group(evidence, c, links) for c in components if all(place[j] in going for j in c)]
+    return tuple(group for group in groups if _may_go(evidence, group, candidates, rules))
 
 
-class _Blocked:
-    """Junctions that touch an element of a kept row."""
+def _links(evidence: RunEvidence, tolerance: float) -> Iterable[_Link]:
+    def link(a: Bond, at_a: Path, b: Bond, at_b: Path) -> _Link:
+        small = (_is_small(evidence, a, at_a, tolerance), _is_small(evidence, b, at_b, tolerance))
+        return _Link((at_a, at_b), (a, b), small)
 
-    def __init__(self, evidence: RunEvidence, keep: set[Path]) -> None:
-        self.junctions: set[Path] = set()
-        for path, element in evidence.structure.elements.items():
-            if element.kind.is_energetic and element.row in keep:
-                self.junctions.update(b.other(path).owner for b in evidence.at[path])
+    for bond in evidence.structure.bonds.values():
+        if not bond.tail.port and not bond.head.port:
+            yield link(bond, bond.tail.owner, bond, bond.head.owner)
+    for path in evidence.structure.elements:
+        bonds = evidence.at[path]
+        for number, a in enumerate(bonds):
+            for b in bonds[number + 1 :]:
+                yield link(a, a.other(path).owner, b, b.other(path).owner)
 
 
-def _may_go(evidence: RunEvidence, group: Group, candidates: set[Path], drop_driven: bool) -> bool:
+def _is_small(evidence: RunEvidence, bond: Bond, junction: Path, tolerance: float) -> bool:
+    """Whether the junction hardly feels the term of this bond."""
+    share = evidence.share(bond, junction)
+    if share > tolerance:
+        return False
+    variable = evidence.structure.junctions[junction].kind.common.other
+    size = evidence.size_share(bond, junction)
+    return size <= PRELOAD_SHARE or evidence.constant_share(bond, junction, variable) <= CONSTANT_GAIN * share
+
+
+def _parts(evidence: RunEvidence, links: list[_Link]) -> list[set[Path]]:
+    parent = {junction: junction for junction in evidence.structure.junctions}
+
+    def find(path: Path) -> Path:
+        while parent[path] != path:
+            parent[path] = parent[parent[path]]
+            path = parent[path]
+        return path
+
+    for link in links:
+        parent[find(link.ends[0])] = find(link.ends[1])
+    parts: dict[Path, set[Path]] = {}
+    for junction in evidence.structure.junctions:
+        parts.setdefault(find(junction), set()).add(junction)
+    return list(parts.values())
+
+
+def _elements_at(evidence: RunEvidence, part: set[Path]) -> set[Path]:
+    return {bond.other(j).owner for j in part for bond in evidence.at[j] if bond.other(j).port}
+
+
+def _holds(evidence: RunEvidence, part: set[Path], staying: set[Path]) -> bool:
+    for path in _elements_at(evidence, part):
+        element = evidence.structure.elements[path]
+        if path in staying or (element.kind.is_energetic and element.row in staying):
+            return True
+    return False
+
+
+def _activity(evidence: RunEvidence, part: set[Path]) -> float:
+    elements = _elements_at(evidence, part)
+    return sum(
+        evidence.activities[bond.name]
+        for path in elements
+        if evidence.structure.elements[path].kind.is_energetic
+        for bond in evidence.at[path]
+    )
+
+
+def _may_go(evidence: RunEvidence, group: Group, candidates: set[Path], rules: GroupRules) -> bool:
     if not group.rows or not group.boundary:
+        return False
+    inside = _elements_at(evidence, set(group.junctions))
+    if any(not set(r.elements) <= inside for r in evidence.compiled.system.rows if r.path in group.rows):
         return False
     if set(group.rows) <= candidates:
         return True
-    total = sum(evidence.activities[b] for row in evidence.compiled.system.rows for b in row.bonds)
-    inside = sum(
-        evidence.activities[b] for row in evidence.compiled.system.rows if row.path in group.rows for b in row.bonds
-    )
-    # A driven part is a small part: the main flow of energy is never one.
-    return drop_driven and inside < 0.25 * total
-
-
-def _neighbours(evidence: RunEvidence, junction: Path) -> Iterable[tuple[Bond, Path]]:
-    """Junctions next to a junction: over a bond, through a two-port, or through a field of several ports."""
-    for bond in evidence.at[junction]:
-        end = bond.other(junction)
-        if not end.port:
-            yield bond, end.owner
-            continue
-        for across in evidence.at[end.owner]:
-            if across is not bond:
-                yield bond, across.other(end.owner).owner
-
-
-def _components(evidence: RunEvidence, members: set[Path]) -> Iterable[set[Path]]:
-    left = set(members)
-    while left:
-        start = min(left)
-        component = {start}
-        pending = [start]
-        while pending:
-            for _, other in _neighbours(evidence, pending.pop()):
-                if other in left and other not in component:
-                    component.add(other)
-                    pending.append(other)
-        left -= component
-        yield component
-
-
-def _crossings(evidence: RunEvidence, component: set[Path]) -> Iterable[tuple[Bond, Path, Path]]:
-    """Bonds that leave a component: the bond at the outer junction, the inner junction, the outer junction."""
-    for inner in sorted(component):
-        for bond in evidence.at[inner]:
-            end = bond.other(inner)
-            if not end.port:
-                if end.owner not in component:
-                    yield bond, inner, end.owner
-                continue
-            for across in evidence.at[end.owner]:
-                if across is not bond and across.other(end.owner).owner not in component:
-                    yield across, inner, across.other(end.owner).owner
-
-
-def _is_small(evidence: RunEvidence, bond: Bond, outer: Path, tolerance: float) -> bool:
-    variable = evidence.structure.junctions[outer].kind.common.other
-    share = evidence.share(bond, outer)
-    if share > tolerance:
+    if 2 * len(candidates.intersection(group.rows)) <= len(group.rows):
         return False
-    size = evidence.size_share(bond, outer)
-    return size <= PRELOAD_SHARE or evidence.constant_share(bond, outer, variable) <= CONSTANT_GAIN * share
+    whole = _activity(evidence, set(evidence.structure.junctions))
+    return rules.drop_driven and _activity(evidence, set(group.junctions)) <= LARGEST_DRIVEN_SHARE * whole
 
 
-def _group(evidence: RunEvidence, component: set[Path]) -> Group | None:
-    crossings = list(_crossings(evidence, component))
-    elements = {bond.other(j).owner for j in component for bond in evidence.at[j] if bond.other(j).port}
-    rows = tuple(row.path for row in evidence.compiled.system.rows if any(path in elements for path in row.elements))
-    boundary = tuple(Boundary(bond.name, outer, evidence.share(bond, outer)) for bond, _, outer in crossings)
-    constant = _constant(evidence, crossings, elements)
-    if constant is not None:
-        return Group(rows, tuple(sorted(component)), boundary, *constant)
-    edge: list[Removal] = []
-    for bond, _, outer in crossings:
-        is_one = evidence.structure.junctions[outer].kind is JunctionKind.ONE
-        edge.append(ZeroEffort(bond.name) if is_one else ZeroFlow(bond.name))
-    removals = dict.fromkeys([*edge, *_inner_removals(evidence, component, elements)])
-    return Group(rows, tuple(sorted(component)), boundary, tuple(removals), _meaning(edge, rows))
+def _group(evidence: RunEvidence, part: set[Path], links: list[_Link]) -> Group:
+    elements = _elements_at(evidence, part)
+    rows = tuple(r.path for r in evidence.compiled.system.rows if any(path in elements for path in r.elements))
+    edge: dict[Removal, None] = {}
+    boundary: list[Boundary] = []
+    for link in links:
+        for side in (0, 1):
+            inner, outer = link.ends[side], link.ends[1 - side]
+            if inner in part and outer not in part:
+                bond = link.bonds[1 - side]
+                boundary.append(Boundary(bond.name, outer, evidence.share(bond, outer)))
+                edge[_deletion(evidence, bond, outer)] = None
+    removals = dict.fromkeys([*edge, *_inner_removals(evidence, part, elements)])
+    return Group(rows, tuple(sorted(part)), tuple(boundary), tuple(removals), _meaning(list(edge), rows))
+
+
+def _deletion(evidence: RunEvidence, bond: Bond, junction: Path) -> Removal:
+    is_one = evidence.structure.junctions[junction].kind is JunctionKind.ONE
+    return ZeroEffort(bond.name) if is_one else ZeroFlow(bond.name)
 
 
 def _meaning(edge: list[Removal], rows: tuple[Path, ...]) -> str:
-    kinds = {type(r) for r in edge}
+    kinds = {type(removal) for removal in edge}
     if kinds == {ZeroFlow}:
         return "rigid or closed" if len(rows) < 3 else "group, no flow"
     if kinds == {ZeroEffort}:
@@ -182,55 +210,12 @@ def _meaning(edge: list[Removal], rows: tuple[Path, ...]) -> str:
     return "group, cut at its boundary"
 
 
-def _inner_removals(evidence: RunEvidence, component: set[Path], elements: set[Path]) -> list[Removal]:
+def _inner_removals(evidence: RunEvidence, part: set[Path], elements: set[Path]) -> list[Removal]:
     """Inside, every element is deleted by the rule of its junction; most are idle already."""
-    found: list[Removal] = []
-    for path in sorted(elements):
-        element = evidence.structure.elements[path]
-        if not element.kind.is_energetic:
-            continue
-        for bond in evidence.at[path]:
-            junction = bond.other(path).owner
-            if junction in component:
-                is_one = evidence.structure.junctions[junction].kind is JunctionKind.ONE
-                found.append(ZeroEffort(bond.name) if is_one else ZeroFlow(bond.name))
-    return found
-
-
-def _constant(
-    evidence: RunEvidence, crossings: list[tuple[Bond, Path, Path]], elements: set[Path]
-) -> tuple[tuple[Removal, ...], str] | None:
-    """A slow store behind one bond becomes a constant source, where that explains its term better than zero does."""
-    if len(crossings) != 1:
-        return None
-    crossing, inner, outer = crossings[0]
-    variable = evidence.structure.junctions[outer].kind.common.other
-    stores = [
-        bond
-        for bond in evidence.at[inner]
-        if bond.other(inner).port
-        and evidence.structure.elements[bond.other(inner).owner].kind
-        is (ElementKind.COMPLIANCE if variable is Variable.EFFORT else ElementKind.INERTIA)
+    return [
+        _deletion(evidence, bond, bond.other(path).owner)
+        for path in sorted(elements)
+        if evidence.structure.elements[path].kind.is_energetic
+        for bond in evidence.at[path]
+        if bond.other(path).owner in part
     ]
-    if len(stores) != 1 or evidence.structure.junctions[inner].kind.common is not variable:
-        return None
-    share = evidence.share(crossing, outer)
-    if evidence.constant_share(crossing, outer, variable) > CONSTANT_GAIN * share:
-        return None
-    store = stores[0]
-    owner = store.other(inner).owner
-    value = evidence.mean(store, variable)
-    make = ConstantEffort if variable is Variable.EFFORT else ConstantFlow
-    removals: list[Removal] = [make(store.name, value)]
-    for path in sorted(elements):
-        element = evidence.structure.elements[path]
-        if isinstance(element.behaviour, PowerSource) or not element.kind.is_energetic:
-            continue
-        for bond in evidence.at[path]:
-            if bond is store:
-                continue
-            junction = bond.other(path).owner
-            is_one = evidence.structure.junctions[junction].kind is JunctionKind.ONE
-            zero_flow = path == owner or not is_one
-            removals.append(ZeroFlow(bond.name) if zero_flow else ZeroEffort(bond.name))
-    return tuple(removals), f"constant {variable} {value:.6g}"

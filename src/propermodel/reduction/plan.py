@@ -9,12 +9,12 @@ from enum import StrEnum
 from propermodel.analysis.activity import ActivityRanking, ActivityRow
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
-from propermodel.expressions.core import Expr
+from propermodel.expressions.core import Expr, leaves
 from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
-from propermodel.reduction.groups import Group, find_groups
-from propermodel.reduction.single import Proposal, propose
+from propermodel.reduction.groups import Group, GroupRules, find_groups
+from propermodel.reduction.single import Proposal, propose, propose_constant
 from propermodel.simulation.trajectory import Trajectory, observable_path
 
 
@@ -96,7 +96,7 @@ class Rules:
     """
 
     threshold: float = 0.99
-    tolerance: float = 0.05
+    tolerance: float = 0.1
     drop_driven: bool = False
     protected: tuple[Path, ...] = field(default=())
 
@@ -108,7 +108,7 @@ def plan_reduction(
     *,
     threshold: float = 0.99,
     protected: Iterable[Expr | Path | str] = (),
-    tolerance: float = 0.05,
+    tolerance: float = 0.1,
     drop_driven: bool = False,
 ) -> Reduction:
     """Decide which rows go and what replaces them.
@@ -154,12 +154,39 @@ def _propose(
     keep: set[Path],
     rules: Rules,
 ) -> tuple[list[Proposal], tuple[Group, ...]]:
-    groups = find_groups(evidence, {row.path for row in candidates}, keep, rules.tolerance, rules.drop_driven)
     by_row = {row.path: row for row in ranking.rows}
-    proposals = [group.proposal(tuple(by_row[path] for path in group.rows)) for group in groups]
+    constants = [p for row in candidates if (p := propose_constant(evidence, row, rules.tolerance)) is not None]
+    protected = _protected_elements(evidence, rules.protected)
+    while True:
+        settled = {path for p in constants for path in p.rows}
+        open_rows = {row.path for row in candidates} - settled
+        staying = settled | protected | (set() if rules.drop_driven else keep)
+        groups = find_groups(evidence, open_rows, staying, GroupRules(rules.tolerance, rules.drop_driven))
+        # A slow store inside a group is better a constant source, which the rest of the group then meets.
+        inner = [by_row[path] for group in groups for path in group.rows if path not in open_rows]
+        found = [p for row in inner if (p := propose_constant(evidence, row, rules.tolerance)) is not None]
+        if not found:
+            break
+        constants.extend(found)
     grouped = {path for group in groups for path in group.rows}
-    proposals.extend(propose(evidence, row, rules.tolerance) for row in reversed(candidates) if row.path not in grouped)
-    return proposals, groups
+    singles = [row for row in reversed(candidates) if row.path in open_rows and row.path not in grouped]
+    return [
+        *constants,
+        *(group.proposal(tuple(by_row[path] for path in group.rows)) for group in groups),
+        *(propose(evidence, row, rules.tolerance) for row in singles),
+    ], groups
+
+
+def _protected_elements(evidence: RunEvidence, protected: tuple[Path, ...]) -> set[Path]:
+    """The elements whose states a protected output is made of."""
+    system = evidence.compiled.system
+    by_path = {leaf.data.path: value for leaf, value in system.values.items()}
+    states = {state.symbol: state.path.parent for state in system.states}
+    found: set[Path] = set()
+    for path in protected:
+        if path in by_path:
+            found.update(states[leaf] for leaf in leaves(by_path[path]) if leaf in states)
+    return found
 
 
 def _verify(

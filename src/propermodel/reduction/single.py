@@ -10,6 +10,7 @@ from propermodel.diagnostics import Path
 from propermodel.modelling.model import (
     ConstantEffort,
     ConstantFlow,
+    ElementKind,
     JunctionKind,
     Removal,
     Variable,
@@ -36,6 +37,59 @@ class Proposal:
     def refused(self, why: str) -> Proposal:
         """The same proposal, refused."""
         return replace(self, removals=(), meaning="refused", reason=f"{self.meaning} was tried, but {why}")
+
+
+def propose_constant(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal | None:
+    """A constant source in place of a storage whose variable hardly changes, where zero would be much worse."""
+    elements = [evidence.structure.elements[path] for path in row.elements]
+    if len(elements) != 1 or not elements[0].kind.is_storage:
+        return None
+    bonds = [evidence.structure.bonds[name] for name, _ in row.ports]
+    main = max(bonds, key=lambda bond: evidence.activities[bond.name])
+    junction = _junction_of(main)
+    if junction is None or len(evidence.at[junction]) < 2:
+        return None
+    kind = evidence.structure.junctions[junction].kind
+    output = Variable.EFFORT if elements[0].kind is ElementKind.COMPLIANCE else Variable.FLOW
+    # The constant acts on the sum where its variable is a term: at its own junction, or over it at the next ones.
+    sums = [(main, junction)] if kind.common is not output else _sums_beyond(evidence, main, junction)
+    if not sums:
+        return None
+    shares = [evidence.share(bond, place) for bond, place in sums]
+    rests = [evidence.constant_share(bond, place, output) for bond, place in sums]
+    if max(rests) > tolerance or max(rests) > CONSTANT_GAIN * max(shares):
+        return None
+    value = evidence.mean(main, output)
+    removals: list[Removal] = [(ConstantEffort if output is Variable.EFFORT else ConstantFlow)(main.name, value)]
+    removals.extend(_deletion(evidence, bond) for bond in bonds if bond is not main)
+    return Proposal(
+        (row.path,),
+        tuple(removals),
+        f"constant {output} {value:.6g}",
+        f"what a constant leaves unexplained is at most {max(rests):.2%} of the greatest activity "
+        f"(zero: {max(shares):.2%})",
+    )
+
+
+def _sums_beyond(evidence: RunEvidence, main: Bond, junction: Path) -> list[tuple[Bond, Path]]:
+    found: list[tuple[Bond, Path]] = []
+    for bond in evidence.at[junction]:
+        if bond is main:
+            continue
+        end = bond.other(junction)
+        if (
+            not end.port
+            and evidence.structure.junctions[end.owner].kind is not evidence.structure.junctions[junction].kind
+        ):
+            found.append((bond, end.owner))
+    return found
+
+
+def _deletion(evidence: RunEvidence, bond: Bond) -> Removal:
+    """The removal that takes a bond's term out of the sum of its junction."""
+    junction = _junction_of(bond)
+    is_one = junction is not None and evidence.structure.junctions[junction].kind is JunctionKind.ONE
+    return ZeroEffort(bond.name) if is_one else ZeroFlow(bond.name)
 
 
 def propose(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal:
@@ -73,24 +127,13 @@ def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Remov
     kind = evidence.structure.junctions[junction].kind
     variable = kind.common.other
     share = evidence.share(bond, junction)
-    constant = evidence.constant_share(bond, junction, variable)
     where = f"at {kind}-junction {junction}"
-    is_storage = evidence.structure.elements[_element(bond)].kind.is_storage
-    if is_storage and constant <= tolerance and constant < CONSTANT_GAIN * share:
-        value = evidence.mean(bond, variable)
-        make = ConstantEffort if variable is Variable.EFFORT else ConstantFlow
-        reason = f"what a constant leaves unexplained is {constant:.2%} of the greatest activity {where}"
-        return make(bond.name, value), f"constant {variable} {value:.6g}", reason
     size = evidence.size_share(bond, junction)
     if share <= tolerance and size <= max(PRELOAD_SHARE, tolerance):
         make_zero = ZeroEffort if kind is JunctionKind.ONE else ZeroFlow
         reason = f"its {variable} carries {share:.2%} of the greatest activity {where}"
         return make_zero(bond.name), f"no {variable}", reason
     return None
-
-
-def _element(bond: Bond) -> Path:
-    return bond.head.owner if bond.head.port else bond.tail.owner
 
 
 def _refuse(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal:

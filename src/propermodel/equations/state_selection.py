@@ -1,0 +1,129 @@
+"""Which storage is a state, where the graph leaves a choice.
+
+Storage that depends on other storage leaves a choice of states. A bad choice sends efforts backwards through
+only know one direction (a lossy gear), which makes algebraic loops, or divides by a modulus that can vanish (the sine of
+an angle). The search moves single storages to the end or the front of the order of assignment while that helps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from propermodel.bondgraph.graph import Element, Structure
+from propermodel.causality.assign import assign_causality
+from propermodel.causality.causal import CausalGraph
+from propermodel.diagnostics import Path, StructureError
+from propermodel.equations.definitions import define
+from propermodel.equations.loops import strong_components
+from propermodel.expressions.core import Expr, Op, SymbolKind, leaves
+from propermodel.modelling.model import ElementKind, JunctionKind, TwoPort
+
+# Larger graphs with this many storages keep the order of the model.
+MOST_STORAGES = 200
+
+Score = tuple[int, int, int]
+
+
+def select_states(causal: CausalGraph) -> CausalGraph:
+    """The same graph with the best states found, or the given one where there is nothing to gain."""
+    elements = [e.path for e in causal.graph.normal.elements.values() if e.kind.is_storage]
+    if not causal.derivative or len(elements) > MOST_STORAGES:
+        return causal
+    order, best, score = elements, causal, _score(causal)
+    classes = _rigid_classes(causal.graph.normal)
+    while score[:2] > (0, 0):
+        found = min(_moves(causal, order, classes, score), key=lambda item: item[0], default=None)
+        if found is None:
+            return best
+        score, order, best = found
+    return best
+
+
+def _moves(
+    causal: CausalGraph, order: list[Path], classes: list[list[Path]], score: Score
+) -> Iterator[tuple[Score, list[Path], CausalGraph]]:
+    """The better causal graphs that moving one rigid class to the end or the front of the order gives."""
+    for members in classes:
+        moved = [path for path in order if path in members]
+        rest = [path for path in order if path not in members]
+        for attempt in ([*rest, *moved], [*moved, *rest]):
+            try:
+                other = assign_causality(causal.graph, attempt)
+            except StructureError:
+                continue
+            if _divisions(other) <= score[0] and (new := _score(other)) < score:
+                yield new, attempt, other
+
+
+def _rigid_classes(structure: Structure) -> list[list[Path]]:
+    """Storage that moves together: joined by junctions of its own kind and transformers only."""
+    parent: dict[Path, Path] = {}
+
+    def find(path: Path) -> Path:
+        while parent.setdefault(path, path) != path:
+            path = parent[path]
+        return path
+
+    for bond in structure.bonds.values():
+        a, b = bond.tail.owner, bond.head.owner
+        kinds = {structure.junctions[p].kind for p in (a, b) if p in structure.junctions}
+        elements = [structure.elements[p] for p in (a, b) if p in structure.elements]
+        if len(kinds) == 1 and all(
+            e.kind is ElementKind.TRANSFORMER
+            or e.kind is (ElementKind.INERTIA if JunctionKind.ONE in kinds else ElementKind.COMPLIANCE)
+            for e in elements
+        ):
+            parent[find(a)] = find(b)
+    classes: dict[Path, list[Path]] = {}
+    for element in structure.elements.values():
+        if element.kind.is_storage:
+            classes.setdefault(find(element.path), []).append(element.path)
+    return list(classes.values())
+
+
+def _score(causal: CausalGraph) -> Score:
+    """Divisions by moduli that may vanish, variables in loops that dependent storage drives, dependent storages."""
+    loops = _looped_variables(causal) if causal.derivative else 0
+    return _divisions(causal), loops, len(causal.derivative)
+
+
+def _divisions(causal: CausalGraph) -> int:
+    return sum(_divides(causal, e, e.behaviour) for e in causal.graph.normal.elements.values())
+
+
+def _divides(causal: CausalGraph, element: Element, behaviour: object) -> bool:
+    if not isinstance(behaviour, TwoPort) or not _may_vanish(behaviour.modulus):
+        return False
+    bond = causal.graph.normal.bonds.get(element.path / "a")
+    if bond is None:
+        return False
+    # e_a = m e_b, f_b = m f_a and e_a = r f_b, e_b = r f_a do not divide; their inverses do.
+    return causal.receives_effort(bond, element)
+
+
+def _may_vanish(modulus: Expr) -> bool:
+    if modulus.op is Op.DIVIDE:
+        return _may_vanish(modulus.args[0])
+    return any(leaf.data.kind is not SymbolKind.PARAMETER for leaf in leaves(modulus))
+
+
+def _looped_variables(causal: CausalGraph) -> int:
+    """How many variables stand in algebraic loops that the answer of dependent storage runs through."""
+    found = define(causal)
+    symbols = list(found.values)
+    index = {s: i for i, s in enumerate(symbols)}
+    answers = {d.unknown for d in found.dependents}
+    uses: list[list[int]] = []
+    driven = [False] * len(symbols)
+    for i, target in enumerate(symbols):
+        inside = leaves(found.values[target])
+        uses.append([index[leaf] for leaf in inside if leaf in index])
+        driven[i] = any(leaf in answers for leaf in inside)
+    count = 0
+    for component in strong_components(len(symbols), [(i, j) for i, js in enumerate(uses) for j in js]):
+        reached = any(driven[i] or any(driven[j] for j in uses[i]) for i in component)
+        for i in component:
+            driven[i] = reached
+        if reached and (len(component) > 1 or component[0] in uses[component[0]]):
+            count += len(component)
+    return count
