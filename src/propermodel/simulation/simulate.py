@@ -86,7 +86,8 @@ def simulate(
     machine = compiled.machine(method)
     build_s = time.perf_counter() - before
     memory = begin(compiled, scenario) if continued_from is None else _continue(compiled, scenario, continued_from)
-    start_signals = machine.observe(memory)
+    # Integrals count from the origin of a run, also of one that is continued, and so does its start.
+    start_signals = machine.observe(memory) if continued_from is None else continued_from.start_signals
     rows = _Rows(memory, scenario, selected, record_every, integrals_every, len(compiled.lowered.powers))
     request = Request(
         until=scenario.stop,

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from propermodel.codegen.lower import Observable
 from propermodel.codegen.machine import FloatArray, Memory, Method
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, nearest, parse_path
@@ -94,14 +95,7 @@ class Trajectory:
         return self.columns[:, self._column(path)]
 
     def _column(self, path: Path) -> int:
-        known = self.compiled.lowered.observables
-        if path not in known:
-            raise SimulationError.of(
-                "simulation/unknown-observable",
-                f"the model has no observable '{path}'",
-                help=nearest(str(path), (str(p) for p in known)),
-            )
-        column = self.recorded.get(known[path].index)
+        column = self.recorded.get(self._observable(path).index)
         if column is None:
             raise SimulationError.of(
                 "simulation/not-recorded",
@@ -109,6 +103,16 @@ class Trajectory:
                 help="name it in simulate(..., record=[...])",
             )
         return column
+
+    def _observable(self, path: Path) -> Observable:
+        known = self.compiled.lowered.observables
+        if path not in known:
+            raise SimulationError.of(
+                "simulation/unknown-observable",
+                f"the model has no observable '{path}'",
+                help=nearest(str(path), (str(p) for p in known)),
+            )
+        return known[path]
 
     def __contains__(self, observable: Expr | Path | str) -> bool:
         path = observable_path(observable)
@@ -120,15 +124,20 @@ class Trajectory:
         path = observable_path(observable)
         if path.name == "power":
             return "W"
-        return self.compiled.lowered.observables[path].unit
+        return self._observable(path).unit
 
     def at_start(self, observable: Expr | Path | str) -> float:
         """The value of any observable at the start, recorded or not."""
-        return float(self.start_signals[self.compiled.lowered.observables[observable_path(observable)].index])
+        return self._value(self.start_signals, observable_path(observable))
 
     def at_end(self, observable: Expr | Path | str) -> float:
         """The value of any observable at the end, recorded or not."""
-        return float(self.final_signals[self.compiled.lowered.observables[observable_path(observable)].index])
+        return self._value(self.final_signals, observable_path(observable))
+
+    def _value(self, signals: FloatArray, path: Path) -> float:
+        if path.name == "power" and path not in self.compiled.lowered.observables:
+            return self._value(signals, path.parent / "effort") * self._value(signals, path.parent / "flow")
+        return float(signals[self._observable(path).index])
 
     def activity(self, entry: Path) -> float:
         """The integral of |power| of a bond or row over the whole run, J."""
