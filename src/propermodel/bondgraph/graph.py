@@ -11,7 +11,6 @@ from propermodel.modelling.model import (
     Coordinate,
     DomainData,
     ElementKind,
-    Freeze,
     JunctionKind,
     Model,
     PowerSource,
@@ -42,7 +41,7 @@ class End:
 
 @dataclass(frozen=True, slots=True)
 class Bond:
-    """A power connection; the half arrow points from `tail` to `head`. It is named after the element port it ends on."""
+    """A power connection, named after the element port it ends on; the half arrow points from `tail` to `head`."""
 
     name: Path
     tail: End
@@ -172,13 +171,6 @@ class BondGraph:
     def __str__(self) -> str:
         lines = [f"bond graph of {self.model.name}: {len(self.normal.elements)} elements, "]
         lines[0] += f"{len(self.normal.junctions)} junctions, {len(self.normal.bonds)} bonds"
-        for element in self.normal.elements.values():
-            lines.append(f"  {element.kind:<3} {element.path}")
-        for bond in self.normal.bonds.values():
-            lines.append(f"  {bond.tail.path} -> {bond.head.path}")
+        lines.extend(f"  {element.kind:<3} {element.path}" for element in self.normal.elements.values())
+        lines.extend(f"  {bond.tail.path} -> {bond.head.path}" for bond in self.normal.bonds.values())
         return "\n".join(lines)
-
-
-def frozen_signals(removals: tuple[Removal, ...]) -> dict[Path, float]:
-    """The signals that removals hold constant."""
-    return {removal.signal: removal.value for removal in removals if isinstance(removal, Freeze)}

@@ -44,9 +44,7 @@ class Scope:
 
     def coordinate(self, coordinate: Coordinate) -> Coordinate:
         """A state with absolute expressions."""
-        return replace(
-            coordinate, start=self(coordinate.start), low=self(coordinate.low), high=self(coordinate.high)
-        )
+        return replace(coordinate, start=self(coordinate.start), low=self(coordinate.low), high=self(coordinate.high))
 
     def behaviour(self, behaviour: Behaviour) -> ElementBehaviour:
         """The laws of an element in absolute symbols."""
