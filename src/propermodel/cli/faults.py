@@ -33,6 +33,9 @@ class Commands(TyperGroup):
         except ProperModelError as error:
             print_diagnostics(error.diagnostics)
             raise typer.Exit(MISUSE) from None
+        except KeyboardInterrupt:
+            typer.echo("interrupted", err=True)
+            raise typer.Exit(INTERRUPTED) from None
         except BrokenPipeError:
             # The reader of a pipe has had enough; Python must not flush into it at exit.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

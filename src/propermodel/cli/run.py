@@ -96,8 +96,9 @@ def run(
             "", "output", "start", "end", "least", "greatest", "unit", right=("start", "end", "least", "greatest")
         )
         for path in shown:
-            column = answer[path]
-            numbers = (answer.at_start(path), answer.at_end(path), float(column.min()), float(column.max()))
+            ends = answer.at_start(path), answer.at_end(path)
+            seen = (*ends, *answer[path].tolist())
+            numbers = (*ends, min(seen), max(seen))
             made.add_row(plain(path), *(f"{number:.6g}" for number in numbers), answer.unit(path))
         screen.print(made)
         for file in files:

@@ -91,10 +91,11 @@ def _figure(width: float, height: float, file: FilePath) -> Iterator[Any]:
 
 def draw_activity(study: ReductionStudy, file: FilePath) -> None:
     """Sorted activity with the decisions, and its cumulative share with the threshold."""
-    decisions = study.reduction.decisions
+    reduction = study.reduction
+    decisions = reduction.decisions
     places = np.arange(len(decisions))
     height = 1.7 + 0.19 * len(decisions)
-    with _figure(10.0, height, file) as figure:
+    with _figure(10.5, height, file) as figure:
         bars, shares = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
         indices = np.array([max(d.row.index * 100.0, SMALLEST_INDEX) for d in decisions])
         for verdict, colour in VERDICTS.items():
@@ -115,6 +116,8 @@ def draw_activity(study: ReductionStudy, file: FilePath) -> None:
         bars.set_xscale("log")
         least = max(SMALLEST_INDEX, 10.0 ** np.floor(np.log10(indices.min()) - 0.2))
         bars.set_xlim(least, 100.0)
+        for place in places[indices <= least]:
+            bars.text(least * 1.3, place, f"at most {least:.0e} %", va="center", color=DARK, fontsize=7.5)
         bars.set_yticks(places, [f"{d.row.path}  ({d.row.kind})" for d in decisions])
         bars.tick_params(axis="y", length=0)
         bars.set_ylim(len(decisions) - 0.4, -0.6)
@@ -126,13 +129,13 @@ def draw_activity(study: ReductionStudy, file: FilePath) -> None:
         colours = [VERDICTS[d.verdict] for d in decisions]
         shares.plot(cumulative, places, color=DARK, linewidth=0.9, zorder=2)
         shares.scatter(cumulative, places, c=colours, s=22, zorder=3, edgecolors=DARK, linewidths=0.5)
-        threshold = study.reduction.threshold * 100.0
+        threshold = reduction.threshold * 100.0
         shares.axvline(threshold, color=VERMILION, linewidth=1.1, linestyle="--", zorder=1)
-        shares.axhline(study.reduction.kept_by_threshold - 0.5, color=VERMILION, linewidth=0.8, linestyle=":", zorder=1)
+        shares.axhline(reduction.kept_by_threshold - 0.5, color=VERMILION, linewidth=0.8, linestyle=":", zorder=1)
         shares.annotate(
-            f"threshold {threshold:g} %",
+            f"threshold {threshold:g} % keeps {reduction.kept_by_threshold}",
             (threshold, len(decisions) - 0.6),
-            xytext=(-4, 2),
+            xytext=(-9, 2),
             textcoords="offset points",
             ha="right",
             color=VERMILION,
@@ -141,11 +144,7 @@ def draw_activity(study: ReductionStudy, file: FilePath) -> None:
         shares.grid(False, axis="y")
         shares.tick_params(axis="y", length=0)
         shares.set_xlabel("cumulative activity, %")
-        reduction = study.reduction
-        shares.set_title(
-            f"the threshold keeps {reduction.kept_by_threshold}; {len(reduction.kept)} stay, "
-            f"with {reduction.kept_activity:.2%}"
-        )
+        shares.set_title(f"{len(reduction.kept)} stay, with {reduction.kept_activity:.2%}")
         bars.legend(loc="lower right")
 
 
@@ -196,6 +195,8 @@ def draw_mission(run: Trajectory, panels: tuple[Panel, ...], file: FilePath) -> 
                 factor = series.scale if panel.unit else series.scale * shown.factor
                 style = (0, (4, 2)) if series.dashed else "-"
                 axes.plot(time, values * factor, color=colour, linestyle=style, label=series.label or series.path)
+            if all(bool(np.all(values == np.round(values))) for _, values, _ in columns):
+                axes.yaxis.get_major_locator().set_params(integer=True)
             axes.set_ylabel(_unit_text(shown))
             axes.set_title(panel.title)
             if len(panel.series) > 1:
@@ -210,7 +211,7 @@ def _series(run: Trajectory, series: Series) -> tuple[FloatArray, FloatArray, st
     given = run.scenario.inputs.get(path, run.scenario.tables.get(path))
     if path not in run and isinstance(given, TableValues) and len(given.grids) == 1:
         unit = run.compiled.graph.tables[path].spec.unit
-        return np.array(given.grids[0]), np.array(given.values), unit
+        return run.time, np.interp(run.time, given.grids[0], given.values), unit
     return run.time, run[path], run.unit(path)
 
 

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
+from propermodel.diagnostics import Path, parse_path
 from propermodel.modelling.documents import write_model, write_scenario
 from propermodel.report.study import ReductionStudy, StudySoFar
 from propermodel.report.summary import write_outputs, write_ranking, write_summary
 from propermodel.simulation.storage import save_trajectory
+from propermodel.simulation.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,13 +30,13 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
     summary = write_summary(study, folder / "summary.json")
     write_ranking(study.reduction, folder / "ranking.csv")
     write_outputs(study, folder / "outputs.csv")
+    figures = write_figures(study, folder)
     write_model(study.full.compiled.model, folder / "full_model.json")
     write_model(study.reduced.compiled.model, folder / "reduced_model.json")
     write_scenario(study.full.scenario, folder / "scenario.json")
     write_scenario(study.reduced.scenario, folder / "reduced_scenario.json")
-    save_trajectory(study.full, folder / "full.npz")
-    save_trajectory(study.reduced, folder / "reduced.npz")
-    figures = write_figures(study, folder)
+    save_trajectory(study.full, folder / "full.npz", only=_worth_keeping(study, study.full))
+    save_trajectory(study.reduced, folder / "reduced.npz", only=_worth_keeping(study, study.reduced))
     return summary, (
         *(WrittenFile(figure.name, figure.meaning) for figure in figures),
         WrittenFile("summary.json", "the numbers of the study"),
@@ -44,9 +46,18 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
         WrittenFile("reduced_model.json", "the reduced model, to be run and reduced further"),
         WrittenFile("scenario.json", "the scenario of the full model"),
         WrittenFile("reduced_scenario.json", "the scenario of the reduced model"),
-        WrittenFile("full.npz", "everything that was recorded, full model"),
-        WrittenFile("reduced.npz", "everything that was recorded, reduced model"),
+        WrittenFile("full.npz", "states, outputs and ranked elements over time, full model"),
+        WrittenFile("reduced.npz", "states, outputs and ranked elements over time, reduced model"),
     )
+
+
+def _worth_keeping(study: ReductionStudy, run: Trajectory) -> tuple[Path, ...]:
+    """States, compared outputs, totals, what panels show, and effort and flow at the ports of ranked elements."""
+    system = run.compiled.system
+    shown = (parse_path(series.path) for panel in study.options.panels for series in panel.series)
+    ports = (bond / variable for row in system.rows for bond in row.bonds for variable in ("effort", "flow"))
+    wanted = (*study.compared, *study.options.totals.values(), *shown, *(state.path for state in system.states), *ports)
+    return tuple(path for path in dict.fromkeys(wanted) if path in run)
 
 
 def write_incomplete(so_far: StudySoFar, folder: FilePath) -> tuple[str, ...]:
