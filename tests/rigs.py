@@ -79,8 +79,9 @@ class Rig:
                     force[node] += sign * pull
         rows = np.zeros((len(levers), n))
         for row, edge in enumerate(levers):
-            rows[row, edge.i] = edge.size  # v_j = ratio v_i
-            rows[row, edge.j] = -1.0
+            for node, factor in ((edge.i, edge.size), (edge.j, -1.0)):  # v_j = ratio v_i
+                if node != WALL:
+                    rows[row, node] = factor
         zero = np.zeros((len(levers), len(levers)))
         matrix = np.block([[np.diag(self.masses), rows.T], [rows, zero]])
         return np.linalg.solve(matrix, np.concatenate([force, np.zeros(len(levers))]))[:n]

@@ -167,10 +167,10 @@ def test_frozen_signal_keeps_its_value():
 
 def test_removal_of_something_unknown_is_reported():
     model = elaborate(Driven())
-    with pytest.raises(Exception, match="'mass.flang'") as caught:
+    with pytest.raises(Exception, match=r"'mass\.flang'") as caught:
         flatten(model.without([ZeroEffort(parse_path("mass.flang"))]))
     assert caught.value.diagnostics[0].code == "reduction/unknown-removal"
-    with pytest.raises(Exception, match="controller.spee"):
+    with pytest.raises(Exception, match=r"controller\.spee"):
         flatten(model.without([Freeze(parse_path("controller.spee"), 0.0)]))
 
 

@@ -33,6 +33,7 @@ from propermodel.modelling import (
     Translation,
     Updates,
     ZeroEffort,
+    ZeroFlow,
     connect,
     elaborate,
     parameter,
@@ -58,7 +59,7 @@ from tests.parts import (
     Voltage,
 )
 from tests.points import Point, equations_of
-from tests.rigs import WALL, Rig, rigs
+from tests.rigs import WALL, Edge, Rig, rigs
 
 
 def approx(value: float) -> object:
@@ -671,3 +672,40 @@ def test_removing_springs_and_dampers_is_making_them_weightless(rig, data):
         across = velocities.get(edge.i, 0.0) - velocities.get(edge.j, 0.0)
         assert point[f"e{n}.port.effort"] == 0.0
         assert point[f"e{n}.port.flow"] == pytest.approx(across, rel=1e-7, abs=1e-7)
+
+
+def joined(groups: list[set[int]], i: int, j: int) -> bool:
+    """Let i and j move together, unless they already do; tells whether they did not."""
+    first, second = (next(g for g in groups if node in g) for node in (i, j))
+    if first is second:
+        return False
+    groups.remove(second)
+    first |= second
+    return True
+
+
+@given(rigs(), st.data())
+@settings(max_examples=80)
+def test_a_spring_or_damper_without_flow_is_a_rigid_link(rig, data):
+    groups = [{node} for node in range(-1, len(rig.masses))]
+    for edge in rig.edges:
+        if edge.kind == "lever":
+            joined(groups, edge.i, edge.j)
+    edges = list(enumerate(rig.edges))
+    chosen = [n for n, e in edges if e.kind != "lever" and data.draw(st.booleans()) and joined(groups, e.i, e.j)]
+    assume(chosen)
+    removals = [ZeroFlow(Path((f"e{n}", "port"))) for n in chosen]
+    model = elaborate(rig.component()).without(removals)
+    point = drawn_point(rig, data, model)
+    velocities = {i: point[f"m{i}.flange.flow"] for i in range(len(rig.masses))}
+    stretch: dict[int, float] = {}
+    for n, edge in edges:
+        if edge.kind == "spring" and n not in chosen:
+            stretch[n] = point[f"e{n}.port.displacement"]
+    rigid = {n: Edge("lever", e.i, e.j, 1.0) if n in chosen else e for n, e in edges}
+    accelerations = Rig(rig.masses, tuple(rigid.values()), rig.force).accelerations(velocities, stretch)
+    for i, mass in enumerate(rig.masses):
+        assert point[f"m{i}.flange.effort"] == pytest.approx(mass * accelerations[i], rel=1e-6, abs=1e-6)
+    for n in chosen:
+        assert velocities.get(rig.edges[n].i, 0.0) == pytest.approx(velocities.get(rig.edges[n].j, 0.0), abs=1e-6)
+        assert point[f"e{n}.port.flow"] == pytest.approx(0.0, abs=1e-9)

@@ -64,11 +64,7 @@ class Net:
     def move(self, name: Path, old: Path, new: Path) -> None:
         """Let a bond that ends on one junction end on another."""
         bond = self.drop(name)
-        if bond.tail.owner == old:
-            bond = replace(bond, tail=End(new))
-        else:
-            bond = replace(bond, head=End(new))
-        self.add(bond)
+        self.add(replace(bond, tail=End(new)) if bond.tail.owner == old else replace(bond, head=End(new)))
 
     def fresh(self, base: Path, mark: str) -> Path:
         """A path for a junction that simplification introduces."""

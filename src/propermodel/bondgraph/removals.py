@@ -167,12 +167,12 @@ def _add_source(net: Net, path: Path, variable: Variable, value: Expr, domain: s
 def _drop_removed_fields(net: Net, touched: dict[Path, set[Path]], zeros: list[Zero], faults: Faults) -> None:
     """Take away elements whose bonds all have another end now; a field goes as a whole."""
     pending = {name for name, _ in zeros}
-    for path in touched:
+    for path, bonds in touched.items():
         element = net.elements[path]
         left = [bond.name for bond in net.bonds_at(path) if bond.name not in pending]
         if not left and not net.bonds_at(path):
             net.drop_node(path)
-        elif left and len(element.ports) > 1 and element.kind.is_energetic and left != list(touched[path]):
+        elif left and len(element.ports) > 1 and element.kind.is_energetic and not bonds.issuperset(left):
             names = ", ".join(str(name) for name in left)
             faults.add(
                 Diagnostic(

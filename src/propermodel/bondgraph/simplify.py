@@ -62,6 +62,9 @@ def _spread(net: Net, zero: Zero, pending: deque[Zero], removed: set[Path]) -> N
                     net.drop_node(end.owner)
         elif name not in removed and _keeps(net.elements[end.owner], variable):
             _set_free(net, bond, end)
+        elif _goes_as_a_whole(net, name, end, removed):
+            if not net.incident[end.owner]:
+                net.drop_node(end.owner)
         else:
             _spread_into_element(net, bond, end, variable, pending)
 
@@ -70,6 +73,13 @@ def _keeps(element: Element, variable: Variable) -> bool:
     """Whether an element without this variable keeps its state: a mass on which nothing acts, a closed-off volume."""
     stores = {Variable.EFFORT: ElementKind.INERTIA, Variable.FLOW: ElementKind.COMPLIANCE}
     return element.kind is stores[variable] and len(element.ports) == 1
+
+
+def _goes_as_a_whole(net: Net, name: Path, end: End, removed: set[Path]) -> bool:
+    """Whether removals take away this bond of a field and all others that it still has."""
+    element = net.elements[end.owner]
+    is_field = len(element.ports) > 1 and element.kind.is_energetic
+    return is_field and name in removed and removed.issuperset(net.incident[end.owner])
 
 
 def _set_free(net: Net, bond: Bond, end: End) -> None:
@@ -124,7 +134,7 @@ def _spread_into_element(net: Net, bond: Bond, end: End, variable: Variable, pen
     junction = Junction(path=element.path / f"{end.port}_node", kind=JunctionKind.ONE, source=element.source)
     net.add_junction(junction)
     net.add(Bond(source.path / "port", End(junction.path), End(source.path, "port"), bond.domain))
-    net.add(replace(bond, tail=End(junction.path), head=end) if bond.head == end else replace(bond, head=End(junction.path)))
+    net.add(replace(bond, tail=End(junction.path)) if bond.head == end else replace(bond, head=End(junction.path)))
 
 
 def _dead_ends(net: Net) -> list[Zero]:

@@ -316,6 +316,8 @@ class _Recovery:
                     self.learn(b, across, divide(from_a, m) if upward else m * from_a)
         elif isinstance(behaviour, Resistive) and len(bonds) == 1 and bonds[0].name not in self.removed:
             self.at_idle_resistance(element, behaviour, bonds[0])
+        elif isinstance(behaviour, Storage) and len(bonds) == 1 and bonds[0].name not in self.removed:
+            self.at_idle_storage(behaviour, bonds[0])
 
     def at_idle_resistance(self, element: Element, behaviour: Resistive, bond: Bond) -> None:
         if bond.name in self.graph.normal.bonds:
@@ -324,6 +326,12 @@ class _Recovery:
             result = law.results[0]
             if (bond.name, result.variable.other) in self.known:
                 self.learn(bond, result.variable, result.value)
+
+    def at_idle_storage(self, behaviour: Storage, bond: Bond) -> None:
+        """A mass that is held needs no effort, a compliance without effort takes no flow."""
+        held = Variable.FLOW if behaviour.kind is ElementKind.INERTIA else Variable.EFFORT
+        if self.graph.known_zero.get(bond.name) is held:
+            self.learn(bond, held.other, ZERO)
 
 
 def _recover_storage(found: Definitions, graph: BondGraph) -> None:

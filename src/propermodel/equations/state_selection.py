@@ -1,8 +1,9 @@
 """Which storage is a state, where the graph leaves a choice.
 
-Storage that depends on other storage leaves a choice of states. A bad choice sends efforts backwards through
-only know one direction (a lossy gear), which makes algebraic loops, or divides by a modulus that can vanish (the sine of
-an angle). The search moves single storages to the end or the front of the order of assignment while that helps.
+Storage that depends on other storage leaves a choice of states. A bad choice sends efforts backwards through parts
+that only know one direction (a lossy gear), which makes algebraic loops, or divides by a modulus that can vanish (the
+sine of an angle). The search moves single storages to the end or the front of the order of assignment while that
+helps.
 """
 
 from __future__ import annotations
