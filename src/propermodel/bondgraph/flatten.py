@@ -403,7 +403,9 @@ class _Flattening:
             ]
             name = next((p for p in (head, tail) if p in terminals and ends[(tail, head).index(p)].port), None)
             if name is None:
-                name = Path((f"{tail}>{head}",))
+                name = tail / f"to_{'_'.join(head)}"
+            while name in bonds:
+                name = name.parent / f"{name.name}_"
             bonds[name] = Bond(name, ends[0], ends[1], domain_of(tail, head))
         for port, element, label in self.element_ports:
             if port in bonds:
