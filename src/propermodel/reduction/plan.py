@@ -9,7 +9,7 @@ from enum import StrEnum
 from propermodel.analysis.activity import ActivityRanking, ActivityRow
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
-from propermodel.expressions.core import Expr, leaves
+from propermodel.expressions.core import Expr, SymbolKind, leaves
 from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
@@ -220,10 +220,20 @@ def _fault(
     idle = sorted(str(path) for path in keep - rows - dropped)
     if idle:
         return f"{', '.join(idle)} would have nothing left to act on"
-    lost = [str(path) for path in rules.protected if path not in reduced.lowered.observables]
+    lost = [
+        str(path)
+        for path in rules.protected
+        if path not in reduced.lowered.observables or (_moves(compiled, path) and not _moves(reduced, path))
+    ]
     if lost:
-        return f"the protected output {', '.join(lost)} would not exist any more"
+        return f"the protected output {', '.join(lost)} would not exist or would never change"
     return None
+
+
+def _moves(compiled: CompiledModel, path: Path) -> bool:
+    """Whether an observable can change in a run: it depends on a state, a held value, an input or time."""
+    value = next((value for leaf, value in compiled.system.values.items() if leaf.data.path == path), None)
+    return value is None or any(leaf.data.kind is not SymbolKind.PARAMETER for leaf in leaves(value))
 
 
 def _reduce(
