@@ -111,7 +111,7 @@ class ChargingPump(Resistance):
 
     shaft = Port(Rotation)
     torque: Parameter = parameter("N.m", default=15.0, low=0.0, status="estimated")
-    width: Parameter = parameter("rad/s", default=1.0, low=0.0)
+    width: Parameter = parameter("rad/s", default=1.0, low=0.0, status="estimated", doc="of the sign of speed")
 
     def effort(self, flow: Expr) -> Expr:
         return self.torque * tanh(flow / self.width)

@@ -61,7 +61,7 @@ def fuel_rate(speed: Expr, torque: Expr, motoring_torque: Expr) -> Expr:
 
 
 def motoring_torque(rpm: float) -> float:
-    """Friction of direct-injection diesels, in N m (Heywood 1988): 75 + 48 n / 1000 + 0.4 S_p^2 kPa of mean pressure."""
+    """Friction of direct-injection diesels (Heywood 1988), N m: 75 + 48 n / 1000 + 0.4 S_p^2 kPa of mean pressure."""
     piston_speed = 2.0 * STROKE * rpm / 60.0
     return DISPLACEMENT / (4.0 * math.pi) * 1e3 * (75.0 + 48.0 * rpm / 1000.0 + 0.4 * piston_speed**2)
 

@@ -76,6 +76,7 @@ class HydraulicHybrid(Component):
     gear_ratio: Parameter = parameter("1", default=1.25, low=0.0, source="below 2700 rpm", status="estimated")
     gear_efficiency: Parameter = parameter("1", default=0.98, low=0.0, high=1.0, status="estimated")
     rotating_inertia: Parameter = parameter("kg.m2", default=0.10, low=0.0, status="estimated")
+    ambient_temperature: Parameter = parameter("K", default=300.0, low=0.0, status="estimated")
     ambient_pressure: Parameter = parameter("Pa", default=101325.0, source="standard atmosphere", status="published")
     accumulator_volume: Parameter = parameter("m3", default=0.120, low=0.0, status="estimated", doc="gas, no oil")
     accumulator_gas: Parameter = parameter(
@@ -113,16 +114,22 @@ class HydraulicHybrid(Component):
         start_oil=start_oil,
         liner_heat_capacity=foam_heat_capacity,
         ambient_pressure=ambient_pressure,
+        ambient_temperature=ambient_temperature,
+        start_temperature=ambient_temperature,
     )
-    accumulator_wall = WallConductance(conductance=accumulator_wall_conductance)
+    accumulator_wall = WallConductance(
+        conductance=accumulator_wall_conductance, ambient_temperature=ambient_temperature
+    )
     reservoir_line = LineResistance(resistance=reservoir_line_resistance)
     reservoir = GasVessel(
         volume=reservoir_volume,
         gas_mass=reservoir_gas,
         start_oil=oil - start_oil,
         ambient_pressure=ambient_pressure,
+        ambient_temperature=ambient_temperature,
+        start_temperature=ambient_temperature,
     )
-    reservoir_wall = WallConductance(conductance=reservoir_wall_conductance)
+    reservoir_wall = WallConductance(conductance=reservoir_wall_conductance, ambient_temperature=ambient_temperature)
 
     connections = (
         connect(drive, gearbox.drive),

@@ -30,7 +30,7 @@ class TransmissionControl(Controller):
     clutch_closed = Output("1", start=0.0)
     shifting = Discrete("1")
     filtered_throttle = Discrete("1")
-    shift_time: Parameter = parameter("s", default=0.6, low=0.0, status="estimated")
+    shift_time: Parameter = parameter("s", low=0.0)
     rest_time: Parameter = parameter("s", default=1.5, low=0.0, status="estimated", doc="between two shifts")
     hurry_speed: Parameter = parameter(
         "rad/s", default=2200.0 * math.pi / 30.0, status="estimated", doc="above which upshifts do not wait"

@@ -51,11 +51,17 @@ class HybridTruck(Component):
         churning_damping=transmission.churning_damping,
         charging_torque=charging_pump.torque,
         accessory_power=engine.accessory_power,
+        accessory_speed=engine.accessories.lowest_speed,
         displacement=hydraulics.displacement,
         gear_ratio=hydraulics.gear_ratio,
         unit_efficiency=hydraulics.gear_efficiency,
+        viscous=hydraulics.pump_motor.torque_loss.viscous * hydraulics.pump_motor.torque_loss.viscosity,
+        coulomb=hydraulics.pump_motor.torque_loss.coulomb,
+        hydrodynamic=hydraulics.pump_motor.torque_loss.hydrodynamic * hydraulics.pump_motor.torque_loss.density,
+        isolation_width=hydraulics.pump_motor.torque_loss.isolation_width,
+        speed_width=hydraulics.pump_motor.torque_loss.width,
     )
-    transmission_control = TransmissionControl()
+    transmission_control = TransmissionControl(shift_time=transmission.shift.shift_time)
 
     connections = (
         # Power: engine to wheels, with the pump/motor at the transfer case.
@@ -126,8 +132,9 @@ class ConventionalTruck(Component):
         churning_damping=transmission.churning_damping,
         charging_torque=charging_pump.torque,
         accessory_power=engine.accessory_power,
+        accessory_speed=engine.accessories.lowest_speed,
     )
-    transmission_control = TransmissionControl()
+    transmission_control = TransmissionControl(shift_time=transmission.shift.shift_time)
 
     connections = (
         # Power: engine to wheels.

@@ -64,7 +64,9 @@ class TorqueDrivenLoss(Resistance):
     shaft = Port(Rotation)
     torque = Input("N.m")
     efficiency = Input("1")
-    width: Parameter = parameter("W", default=100.0, low=0.0, doc="power over which the loss fades in")
+    width: Parameter = parameter(
+        "W", default=100.0, low=0.0, status="estimated", doc="power over which the loss fades in"
+    )
 
     def effort(self, flow: Expr) -> Expr:
         return (1.0 - passing_efficiency(self.torque * flow, self.efficiency, self.width)) * self.torque
@@ -76,7 +78,9 @@ class TorqueGivenLoss(Resistance):
     shaft = Port(Rotation)
     torque = Input("N.m")
     efficiency = Input("1")
-    width: Parameter = parameter("W", default=100.0, low=0.0, doc="power over which the loss fades in")
+    width: Parameter = parameter(
+        "W", default=100.0, low=0.0, status="estimated", doc="power over which the loss fades in"
+    )
 
     def effort(self, flow: Expr) -> Expr:
         return (1.0 / passing_efficiency(self.torque * flow, self.efficiency, self.width) - 1.0) * self.torque
