@@ -203,8 +203,6 @@ def _resolve_rings(net: Net) -> bool:
             continue
         if any(net.junctions[b.other(path).owner].kind is junction.kind for b in joins):
             continue
-        if any(len(net.elements[b.other(path).owner].ports) > 1 for b in bonds if b.other(path).port):
-            continue
         first, second = sorted(joins, key=lambda b: b.other(path).owner)
         a, b = first.other(path).owner, second.other(path).owner
         if a == b:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, nearest
-from propermodel.expressions.core import Expr, leaves, number
+from propermodel.expressions.core import Expr, as_expr, leaves, number
 from propermodel.expressions.dimensions import DimensionMismatch, dimension_of
 from propermodel.expressions.interpret import interpret
 from propermodel.expressions.units import dimension_text, parse_unit
@@ -302,7 +302,7 @@ def evaluate(law: Any, *arguments: float) -> float:
     """The value of a law with plain numbers: `evaluate(orifice.effort, 0.1)`; for tests and sanity checks."""
     component: Component = law.__self__
     values: dict[Expr, float] = {}
-    expr: Expr = law(*arguments)
+    expr: Expr = law(*(as_expr(value) for value in arguments))
     for leaf in leaves(expr):
         key = leaf.data.path.name
         given = component.values.get(key)
