@@ -8,7 +8,7 @@ from scipy.optimize import root
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.causality.assign import assign_causality
-from propermodel.diagnostics import Path, parse_path
+from propermodel.diagnostics import ModelError, Path, parse_path
 from propermodel.equations.formulate import formulate
 from propermodel.equations.system import EquationSystem
 from propermodel.expressions.core import TIME, Expr, Op, postorder
@@ -41,7 +41,7 @@ class Point:
             for flat in graph.parameters.values():
                 try:
                     self.known[flat.symbol] = interpret(flat.value, self.known)
-                except Exception:
+                except ModelError:
                     continue
         given = {parse_path(path): value for path, value in (inputs or {}).items()}
         everything = [*system.values.values(), *(s.derivative for s in system.states)]

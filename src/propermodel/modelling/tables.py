@@ -31,7 +31,7 @@ def table_values(grids: Sequence[Iterable[float]], values: Iterable[float]) -> T
     expected = 1
     for grid in data.grids:
         expected *= len(grid)
-        if len(grid) < 2 or any(not b > a for a, b in pairwise(grid)):
+        if len(grid) < 2 or not all(map(math.isfinite, grid)) or any(not b > a for a, b in pairwise(grid)):
             raise ModelError.of("model/table-grid", "the grid of a table must have two or more strictly growing points")
     if len(data.values) != expected or not all(map(math.isfinite, data.values)):
         raise ModelError.of(
