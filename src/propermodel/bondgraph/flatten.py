@@ -206,10 +206,7 @@ class _Flattening:
         outer = {name for port in definition.ports if port.between for name in port.between}
         ports = tuple(port.name for port in definition.ports if port.name not in outer)
         behaviour = scope.behaviour(definition.behaviour)
-        if isinstance(behaviour, Resistive):
-            kind = ElementKind.RESISTANCE
-        else:
-            kind = behaviour.kind
+        kind = ElementKind.RESISTANCE if isinstance(behaviour, Resistive) else behaviour.kind
         self.elements[path] = Element(
             path=path, kind=kind, ports=ports, behaviour=behaviour, row=group or path, source=source
         )
@@ -316,7 +313,9 @@ class _Flattening:
                             "model/unconnected-port",
                             f"the {port.domain} port '{path / part.name / port.name}' is not connected",
                             source=part.source,
-                            involved=(Involved(str(path / part.name), f"is a {part.definition.type_name}", part.source),),
+                            involved=(
+                                Involved(str(path / part.name), f"is a {part.definition.type_name}", part.source),
+                            ),
                             help="connect it, or end it with a source (a fixed flange, a ground, an ambient)",
                         )
                     )
