@@ -74,6 +74,7 @@ NAMED_MODELS: Mapping[str, NamedModel] = MappingProxyType(
             scenarios=_MISSIONS,
             outputs=(
                 "chassis.speed",
+                "chassis.acceleration",
                 "engine.crankshaft.flow",
                 "engine.injection.fuel",
                 "hydraulics.accumulator_pressure",
@@ -96,7 +97,7 @@ NAMED_MODELS: Mapping[str, NamedModel] = MappingProxyType(
         "conventional-truck": NamedModel(
             component=Target("propermodel.library.vehicle.truck", "ConventionalTruck"),
             scenarios=_MISSIONS,
-            outputs=("chassis.speed", "engine.crankshaft.flow", "engine.injection.fuel"),
+            outputs=("chassis.speed", "chassis.acceleration", "engine.crankshaft.flow", "engine.injection.fuel"),
             totals={"fuel_kg": "engine.fuel_meter.mass"},
             panels=(_SPEED, _ENGINE, _GEAR, _FUEL),
         ),

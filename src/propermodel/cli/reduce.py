@@ -36,12 +36,15 @@ def reduce(
     step: StepOption = None,
     output: OutputOption = None,
     settings: SetOption = None,
-    drop_driven: Annotated[
-        bool, typer.Option("--drop-driven", help="Let active parts go that act back on nothing and feed no output.")
+    keep_driven: Annotated[
+        bool,
+        typer.Option(
+            "--keep-driven", help="Keep every row above the threshold, also in parts that act back on nothing."
+        ),
     ] = False,
     tolerance: Annotated[
         float, typer.Option(help="Largest share of a neglected term at its junction.", min=0.0)
-    ] = 0.05,
+    ] = 0.1,
     speed: Annotated[bool, typer.Option("--speed/--no-speed", help="Measure how much faster it is.")] = True,
     best_steps: Annotated[
         bool, typer.Option("--best-steps/--no-best-steps", help="Measure also at the largest good steps.")
@@ -58,7 +61,7 @@ def reduce(
     options = StudyOptions(
         threshold=threshold,
         tolerance=tolerance,
-        drop_driven=drop_driven,
+        drop_driven=not keep_driven,
         outputs=subject.outputs,
         totals=subject.totals,
         panels=subject.panels,

@@ -97,7 +97,7 @@ class Rules:
 
     threshold: float = 0.99
     tolerance: float = 0.1
-    drop_driven: bool = False
+    drop_driven: bool = True
     protected: tuple[Path, ...] = field(default=())
 
 
@@ -109,7 +109,7 @@ def plan_reduction(
     threshold: float = 0.99,
     protected: Iterable[Expr | Path | str] = (),
     tolerance: float = 0.1,
-    drop_driven: bool = False,
+    drop_driven: bool = True,
 ) -> Reduction:
     """Decide which rows go and what replaces them.
 

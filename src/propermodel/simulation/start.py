@@ -55,6 +55,13 @@ def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -
                 pending.pop()
                 continue
             missing = [by_symbol[leaf] for leaf in leaves(top.value) if leaf not in known]
+            if any(parameter in pending for parameter in missing):
+                circle = ", ".join(str(parameter.path) for parameter in pending)
+                raise SimulationError.of(
+                    "simulation/parameter-circle",
+                    f"these parameters are defined by each other: {circle}",
+                    help="give one of them a number",
+                )
             if missing:
                 pending.extend(missing)
             else:

@@ -25,6 +25,7 @@ class Chassis(Component):
     rear_rear_shaft = Port(Rotation)
     brake_pedal = Input("1")
     speed = Output("m/s")
+    acceleration = Output("m/s2")
     sine_slope = Output("1")
     rolling_coefficient = Output("1")
     sprung_mass: Parameter = parameter("kg", default=11300.0, low=0.0, source="total less axles", status="derived")
@@ -157,6 +158,7 @@ class Chassis(Component):
         connect(attitude.sine, front_axle.sine_pitch, rear_front_axle.sine_pitch, rear_rear_axle.sine_pitch),
         # Place and road.
         connect(body.forward.flow, speed),
+        connect(body.forward_mass.flange.effort / sprung_mass, acceleration),
         connect(weight.flange.flow, odometer.velocity),
         connect(odometer.position, road.position),
         connect(
