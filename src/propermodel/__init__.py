@@ -74,6 +74,7 @@ from propermodel.modelling import (
     elaborate,
     evaluate,
     free,
+    measured,
     parameter,
     prescribed_effort,
     prescribed_flow,
@@ -153,6 +154,7 @@ __all__ = [
     "bond",
     "chain",
     "free",
+    "measured",
     "prescribed_effort",
     "prescribed_flow",
     # domains

@@ -9,8 +9,6 @@ import typer
 
 from propermodel.cli.options import AsJson, Until, configured
 
-DEMO = ("truck", "half-car")  # the first that the library has
-
 
 def demo(
     out: Annotated[FilePath, typer.Option("--out", help="Folder for the files.", metavar="DIR", file_okay=False)],
@@ -18,12 +16,11 @@ def demo(
     as_json: AsJson = False,
 ) -> None:
     """Reduce the hybrid truck on its mission, and write the study."""
-    from propermodel.cli.models import NAMED_MODELS, load_subject
+    from propermodel.cli.models import load_subject
     from propermodel.cli.reduce import reduce_subject
     from propermodel.report.study import StudyOptions
 
-    name = next(name for name in DEMO if name in NAMED_MODELS)
-    subject = configured(load_subject(name), until=until)
+    subject = configured(load_subject("truck"), until=until)
     options = StudyOptions(
         outputs=subject.outputs, totals=subject.totals, panels=subject.panels, method=subject.method, step=subject.step
     )

@@ -42,9 +42,7 @@ def reduce(
             "--keep-driven", help="Keep every row above the threshold, also in parts that act back on nothing."
         ),
     ] = False,
-    tolerance: Annotated[
-        float, typer.Option(help="Largest share of a neglected term at its junction.", min=0.0)
-    ] = 0.1,
+    tolerance: Annotated[float, typer.Option(help="Largest share of a neglected term at its junction.", min=0.0)] = 0.1,
     speed: Annotated[bool, typer.Option("--speed/--no-speed", help="Measure how much faster it is.")] = True,
     best_steps: Annotated[
         bool, typer.Option("--best-steps/--no-best-steps", help="Measure also at the largest good steps.")

@@ -9,6 +9,7 @@ from propermodel.modelling.connections import (
     prescribed_effort,
     prescribed_flow,
 )
+from propermodel.modelling.data import measured
 from propermodel.modelling.domains import (
     Domain,
     DomainData,
@@ -97,6 +98,7 @@ __all__ = [
     "elaborate",
     "evaluate",
     "free",
+    "measured",
     "parameter",
     "prescribed_effort",
     "prescribed_flow",

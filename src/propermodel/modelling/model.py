@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
-from propermodel.diagnostics import NO_SOURCE, Path, Source
+from propermodel.diagnostics import NO_SOURCE, Path, Source, parse_path
 from propermodel.expressions.core import Expr
 from propermodel.modelling.domains import DomainData
 
@@ -378,3 +378,10 @@ class Scenario:
     initial: Mapping[Path, float] = field(default_factory=dict[Path, float])
     parameters: Mapping[Path, float] = field(default_factory=dict[Path, float])
     description: str = ""
+
+    def __post_init__(self) -> None:
+        # Paths may be written as text, `road.flow`.
+        for name in ("inputs", "tables", "initial", "parameters"):
+            given: Mapping[Path | str, object] = getattr(self, name)
+            paths = {parse_path(key) if isinstance(key, str) else key: value for key, value in given.items()}
+            object.__setattr__(self, name, paths)

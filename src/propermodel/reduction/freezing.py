@@ -15,7 +15,8 @@ from propermodel.expressions.core import Expr, SymbolKind, leaves
 from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
 
-_OBSERVED = frozenset(
+# What a signal can read of an element.
+OBSERVED = frozenset(
     {
         SymbolKind.EFFORT,
         SymbolKind.FLOW,
@@ -46,7 +47,7 @@ def signals_to_freeze(evidence: RunEvidence, removals: Iterable[Removal]) -> tup
 
 def _reads(leaf: Expr, gone: set[Path]) -> bool:
     data = leaf.data
-    if data.kind not in _OBSERVED:
+    if data.kind not in OBSERVED:
         return False
     path: Path = data.path
     return any(Path(path[:length]) in gone for length in range(1, len(path)))

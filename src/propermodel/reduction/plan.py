@@ -12,7 +12,7 @@ from propermodel.diagnostics import Path, ProperModelError, ReductionError
 from propermodel.expressions.core import Expr, SymbolKind, leaves
 from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
-from propermodel.reduction.freezing import signals_to_freeze
+from propermodel.reduction.freezing import OBSERVED, signals_to_freeze
 from propermodel.reduction.groups import Group, GroupRules, find_groups
 from propermodel.reduction.single import Proposal, propose, propose_constant
 from propermodel.simulation.trajectory import Trajectory, observable_path
@@ -178,15 +178,34 @@ def _propose(
 
 
 def _protected_elements(evidence: RunEvidence, protected: tuple[Path, ...]) -> set[Path]:
-    """The elements whose states a protected output is made of."""
-    system = evidence.compiled.system
-    by_path = {leaf.data.path: value for leaf, value in system.values.items()}
-    states = {state.symbol: state.path.parent for state in system.states}
-    found: set[Path] = set()
-    for path in protected:
-        if path in by_path:
-            found.update(states[leaf] for leaf in leaves(by_path[path]) if leaf in states)
+    """The elements that protected outputs look at, directly or through signals, but not through physics."""
+    graph = evidence.compiled.graph
+    rates = {state.symbol: state.derivative for state in graph.signal_states}
+    by_path = {leaf.data.path: leaf for leaf in (*graph.signals, *rates)}
+    pending: list[Expr] = [by_path[path] for path in protected if path in by_path]
+    looked_at = {path.parent for path in protected if path not in by_path}
+    seen: set[Expr] = set()
+    while pending:
+        leaf = pending.pop()
+        if leaf in seen:
+            continue
+        seen.add(leaf)
+        value = graph.signals.get(leaf, rates.get(leaf))
+        if value is not None:
+            pending.extend(leaves(value))
+        elif leaf.data.kind in OBSERVED:
+            looked_at.add(leaf.data.path.parent)
+    bonds = {bond for path in looked_at for bond in (path, *_inside(evidence, path))}
+    found = {path for path in looked_at if path in graph.normal.elements}
+    for bond in evidence.structure.bonds.values():
+        if bond.name in bonds:
+            found.update(end.owner for end in (bond.tail, bond.head) if end.port)
     return found
+
+
+def _inside(evidence: RunEvidence, port: Path) -> tuple[Path, ...]:
+    node = evidence.compiled.graph.node_ports.get(port)
+    return node.inside if node is not None else ()
 
 
 def _verify(

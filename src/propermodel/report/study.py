@@ -30,7 +30,7 @@ class StudyOptions:
     """
 
     threshold: float = 0.99
-    tolerance: float = 0.05  # of the local tests
+    tolerance: float = 0.1  # of the local tests
     drop_driven: bool = True
     outputs: tuple[Path, ...] = ()
     totals: Mapping[str, Path] = field(default_factory=dict[str, Path])

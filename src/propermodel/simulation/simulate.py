@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from propermodel.codegen.machine import FloatArray, Machine, Memory, Method, Outcome, Request, Status
+from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, nearest
 from propermodel.expressions.core import Expr
@@ -113,7 +114,7 @@ def simulate(
         integrals=rows.integrals[: rows.integral_count],
         activities=rows.activities[: rows.integral_count],
         start_signals=start_signals,
-        final_signals=machine.observe(memory),
+        final_signals=_final_signals(machine, memory, outcome),
         memory=memory,
         ending=_ending(compiled, outcome, memory),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
@@ -180,6 +181,13 @@ def _run(
             request = replace(request, most_ticks=max(1, min(int(request.most_ticks * factor), 1_000_000)))
     except KeyboardInterrupt:
         return None
+
+
+def _final_signals(machine: Machine, memory: Memory, outcome: Outcome | None) -> FloatArray:
+    """All observables at the end; not a number where a failed run's last state has no solution."""
+    if outcome is None or outcome.status is not Status.NOT_CONVERGED:
+        return machine.observe(memory)
+    return np.full(machine.program.layout.lengths[Array.SIGNAL], np.nan)
 
 
 def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory) -> Ending:
