@@ -196,11 +196,13 @@ def _protected_elements(evidence: RunEvidence, protected: tuple[Path, ...]) -> s
         elif leaf.data.kind in OBSERVED:
             looked_at.add(leaf.data.path.parent)
     bonds = {bond for path in looked_at for bond in (path, *_inside(evidence, path))}
-    found = {path for path in looked_at if path in graph.normal.elements}
+    elements = graph.normal.elements
+    found = {path for path in looked_at if path in elements}
     for bond in evidence.structure.bonds.values():
         if bond.name in bonds:
             found.update(end.owner for end in (bond.tail, bond.head) if end.port)
-    return found
+    # What an output looks at is a sum or a flow at these elements; two-ports lead on to parts that it does not see.
+    return {path for path in found if elements[path].kind.is_energetic}
 
 
 def _inside(evidence: RunEvidence, port: Path) -> tuple[Path, ...]:

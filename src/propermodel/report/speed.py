@@ -9,6 +9,7 @@ from statistics import median
 import numpy as np
 
 from propermodel.analysis.activity import row_activities
+from propermodel.codegen.machine import sample_periods
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import Scenario
@@ -20,6 +21,7 @@ LONGEST_SEARCH_RUN_S = 1.0  # the same in the search for steps, at the step of t
 MOST_OUTPUT_CHANGE = 1e-3  # rms over range
 MOST_INDEX_CHANGE = 0.3  # percentage points
 MOST_HALVINGS = 3
+RUNG = 2.0**0.5  # from one step of the ladder to the next
 REFERENCE = 4.0  # the step of a reference run is this much smaller
 
 
@@ -68,7 +70,7 @@ def measure_speed(full: Trajectory, reduced: Trajectory, outputs: Iterable[Path]
 
 
 def measure_best_steps(full: Trajectory, reduced: Trajectory, outputs: Iterable[Path], repeats: int) -> BestSteps:
-    """Time each model at the largest step of a doubling ladder whose answers are good.
+    """Time each model at the largest step of a ladder up to which the answers are good.
 
     Good means: compared with a run at a quarter of the step, no output changes by more than 0.1 % (rms over range) and
     no activity index by more than 0.3 points.
@@ -136,23 +138,27 @@ def _period(run: Trajectory) -> float:
 
 
 def _largest_good_step(run: Trajectory, window: tuple[float, float], outputs: tuple[Path, ...]) -> float | None:
-    """The largest good step on the ladder, from the period of recording down to an eighth of the step of the study."""
-    doublings = max(0, int(np.log2(_period(run) / run.step * (1.0 + 1e-9))))
+    """The last good step on a ladder upward from the step of the study, or the first one downward from it.
+
+    The ladder ends at the shortest tick, since a step never reaches over a sample of a controller or a recording.
+    """
     runs: dict[float, Trajectory] = {}
 
-    def at(step: float) -> Trajectory:
-        if step not in runs:
-            runs[step] = _run(run.compiled, run.scenario, run, step, window, outputs)
-        return runs[step]
+    def is_good(step: float) -> bool:
+        for each in (step, step / REFERENCE):
+            if each not in runs:
+                runs[each] = _run(run.compiled, run.scenario, run, each, window, outputs)
+        found, reference = runs[step], runs[step / REFERENCE]
+        return found.ending.is_complete and reference.ending.is_complete and _agree(found, reference, outputs)
 
-    for exponent in range(doublings, -MOST_HALVINGS - 1, -1):
-        step = run.step * 2.0**exponent
-        if not at(step).ending.is_complete:
-            continue
-        reference = at(step / REFERENCE)
-        if reference.ending.is_complete and _agree(at(step), reference, outputs):
-            return step
-    return None
+    longest = min([_period(run), *sample_periods(run.compiled.lowered.program, run.memory)])
+    if not is_good(run.step):
+        smaller = (run.step / RUNG**k for k in range(1, 2 * MOST_HALVINGS + 1))
+        return next((step for step in smaller if is_good(step)), None)
+    best = run.step
+    while best * RUNG <= longest and is_good(best * RUNG):
+        best *= RUNG
+    return best
 
 
 def _agree(run: Trajectory, reference: Trajectory, outputs: tuple[Path, ...]) -> bool:
