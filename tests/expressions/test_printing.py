@@ -89,3 +89,10 @@ def test_text_of_a_deep_expression():
     for _ in range(3000):
         chain = sin(chain)
     assert to_text(chain).count("sin(") == 3000
+
+
+def test_an_expression_whose_shared_parts_would_never_end_is_described() -> None:
+    x = symbol(SymbolKind.STATE, Path(("x",)), "1")
+    for _ in range(200):
+        x = x * x + 1.0
+    assert repr(x) == "<expression of 402 nodes with 1 symbols>"

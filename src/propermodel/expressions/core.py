@@ -180,9 +180,9 @@ class Expr:
         return negation(self)
 
     def __repr__(self) -> str:
-        from propermodel.expressions.printing import to_text
+        from propermodel.expressions.printing import short_text
 
-        return to_text(self)
+        return short_text(self)
 
 
 ExprLike = Expr | float | int

@@ -20,6 +20,8 @@ _INFIX = {
     Op.POWER: (8, "**"),
 }
 _ATOM = 10
+# A formula with more nodes than this, shared parts counted every time, is only described.
+LONGEST_FORMULA = 2000
 
 
 def format_number(value: float) -> str:
@@ -27,6 +29,18 @@ def format_number(value: float) -> str:
     if math.isfinite(value) and value == int(value) and abs(value) < 1e15:
         return str(int(value))
     return repr(float(value))
+
+
+def short_text(expr: Expr) -> str:
+    """The expression as a formula, or its size where shared parts written out would make it endless."""
+    sizes: dict[Expr, int] = {}
+    order = postorder([expr])
+    for node in order:
+        sizes[node] = 1 + sum(sizes[arg] for arg in node.args)
+    if sizes[expr] <= LONGEST_FORMULA:
+        return to_text(expr)
+    symbols = sum(1 for node in order if node.op is Op.SYMBOL)
+    return f"<expression of {len(order)} nodes with {symbols} symbols>"
 
 
 def _bracket(text: str, inner: int, outer: int) -> str:
