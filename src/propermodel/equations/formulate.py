@@ -14,6 +14,7 @@ from propermodel.equations.sequence import in_sequence
 from propermodel.equations.solve import eliminate
 from propermodel.equations.system import (
     BlockKind,
+    DependentStorage,
     EquationSystem,
     ImplicitBlock,
     SolvedBlock,
@@ -85,6 +86,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
             )
             for s in states
         ),
+        dependents=_dependents(definitions, resolution, states),
         blocks=tuple(blocks),
         solved=tuple(solved),
         values=values,
@@ -155,6 +157,37 @@ def _storage_states(
         _state(element.path, coordinate, state_kind, rate, element.source)
         for coordinate, rate in zip(storage.coordinates, rates, strict=True)
     ]
+
+
+def _dependents(
+    definitions: Definitions, resolution: Resolution, states: list[StateVariable]
+) -> tuple[DependentStorage, ...]:
+    """The dependent storages, and how the rates of the states change with theirs."""
+    if not definitions.dependents:
+        return ()
+    rates = [state.derivative for state in states]
+    slopes = partial_derivatives(rates, [dependent.unknown for dependent in definitions.dependents])
+    found: list[DependentStorage] = []
+    for dependent in definitions.dependents:
+        behaviour = dependent.element.behaviour
+        assert isinstance(behaviour, Storage)
+        (coordinate,) = behaviour.coordinates
+        found.append(
+            DependentStorage(
+                element=dependent.element.path,
+                path=dependent.element.path / coordinate.name,
+                symbol=dependent.stored,
+                unit=coordinate.unit,
+                start=coordinate.start,
+                stored=resolution.values[dependent.stored],
+                reactions=tuple(
+                    (state.symbol, slope[dependent.unknown])
+                    for state, slope in zip(states, slopes, strict=True)
+                    if dependent.unknown in slope and state.kind is not StateKind.SIGNAL
+                ),
+            )
+        )
+    return tuple(found)
 
 
 # -- the implicit part -----------------------------------------------------------------------------------

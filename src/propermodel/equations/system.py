@@ -70,6 +70,23 @@ class Stored:
     energy: Expr
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DependentStorage:
+    """Storage that follows from the states, with the start that its author gave it.
+
+    What it takes up comes from the states: `reactions` says by how much the rate of each changes with the rate of the
+    stored quantity.
+    """
+
+    element: Path
+    path: Path  # of the coordinate
+    symbol: Expr
+    unit: str
+    start: Expr
+    stored: Expr
+    reactions: tuple[tuple[Expr, Expr], ...]  # symbol of a state, factor
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
     """One row of a ranking: an energy element or a declared group, with the bonds whose powers make it up."""
@@ -90,6 +107,7 @@ class EquationSystem:
 
     causal: CausalGraph
     states: tuple[StateVariable, ...]
+    dependents: tuple[DependentStorage, ...]
     blocks: tuple[ImplicitBlock, ...]
     solved: tuple[SolvedBlock, ...]
     values: Mapping[Expr, Expr]

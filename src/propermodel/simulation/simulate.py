@@ -14,7 +14,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, nearest
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
-from propermodel.simulation.start import begin
+from propermodel.simulation.start import start_of
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
 
 RETURN_EVERY_S = 0.1
@@ -86,7 +86,11 @@ def simulate(
     before = time.perf_counter()
     machine = compiled.machine(method)
     build_s = time.perf_counter() - before
-    memory = begin(compiled, scenario) if continued_from is None else _continue(compiled, scenario, continued_from)
+    if continued_from is None:
+        start = start_of(compiled, scenario)
+        memory, notes = start.memory, start.notes
+    else:
+        memory, notes = _continue(compiled, scenario, continued_from), continued_from.notes
     # Integrals count from the origin of a run, also of one that is continued, and so does its start.
     start_signals = machine.observe(memory) if continued_from is None else continued_from.start_signals
     rows = _Rows(memory, scenario, selected, record_every, integrals_every, len(compiled.lowered.powers))
@@ -118,6 +122,7 @@ def simulate(
         memory=memory,
         ending=_ending(compiled, outcome, memory),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
+        notes=notes,
     )
 
 

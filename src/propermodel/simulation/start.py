@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,11 +14,21 @@ from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, nearest
 from propermodel.equations.system import StateKind
-from propermodel.expressions.core import Expr, SymbolKind, leaves
+from propermodel.expressions.core import TIME, Expr, SymbolKind, leaves
 from propermodel.expressions.interpret import interpret
 from propermodel.modelling.model import Scenario, Storage, TableValues
+from propermodel.simulation.evaluate import HeldTable
+from propermodel.simulation.merging import Starts, merge_starts
 
 Values = dict[Expr, float]
+
+
+@dataclass(frozen=True)
+class Start:
+    """The memory at the start of a run, and what must be said about it."""
+
+    memory: Memory
+    notes: tuple[str, ...]
 
 
 def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -> Values:
@@ -76,12 +87,25 @@ def begin(compiled: CompiledModel, scenario: Scenario) -> Memory:
     Raises:
         SimulationError: the scenario names something that does not exist, or its numbers do not fit.
     """
+    return start_of(compiled, scenario).memory
+
+
+def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
+    """The memory of a run at its start, with notes on starts that could not be kept as declared.
+
+    Raises:
+        SimulationError: the scenario names something that does not exist, its numbers do not fit, or no start keeps
+            what dependent storage should hold.
+    """
     faults = Faults(SimulationError)
     parameters = parameter_values(compiled, scenario.parameters)
     tables = _tables(compiled, scenario, faults)
-    states, lower, upper = _states(compiled, scenario, parameters, faults)
+    given = _initial_states(compiled, scenario, parameters, faults)
     held = _held(compiled, scenario, parameters)
     faults.raise_if_any()
+    states, notes = _states(
+        compiled, scenario, given, parameters | dict(zip(compiled.lowered.held, held, strict=True)), tables
+    )
     program = compiled.lowered.program
     flat = compiled.graph.parameters
     limits = _grid_limits(tables)
@@ -97,8 +121,9 @@ def begin(compiled: CompiledModel, scenario: Scenario) -> Memory:
         tables=[TableData(tuple(np.array(g) for g in t.grids), np.array(t.values)) for t in tables.values()],
         origin=scenario.start,
     )
-    memory.lower[:], memory.upper[:] = lower, upper
-    return memory
+    memory.lower[:] = [interpret(state.low, parameters) for state in compiled.system.states]
+    memory.upper[:] = [interpret(state.high, parameters) for state in compiled.system.states]
+    return Start(memory, notes)
 
 
 def _tables(compiled: CompiledModel, scenario: Scenario, faults: Faults) -> dict[Path, TableValues]:
@@ -150,25 +175,28 @@ def _grid_limits(tables: Mapping[Path, TableValues]) -> dict[Path, float]:
 
 
 def _states(
-    compiled: CompiledModel, scenario: Scenario, parameters: Values, faults: Faults
-) -> tuple[list[float], list[float], list[float]]:
-    given = _initial_states(compiled, scenario, parameters, faults)
-    states: list[float] = []
-    lower: list[float] = []
-    upper: list[float] = []
-    for state in compiled.system.states:
-        value = given.get(state.path)
-        states.append(interpret(state.start, parameters) if value is None else value)
-        lower.append(interpret(state.low, parameters))
-        upper.append(interpret(state.high, parameters))
-    return states, lower, upper
+    compiled: CompiledModel,
+    scenario: Scenario,
+    given: Mapping[Path, float],
+    known: Values,
+    tables: Mapping[Path, TableValues],
+) -> tuple[list[float], tuple[str, ...]]:
+    """The states at the start, with what dependent storage was declared to hold merged into them."""
+    system = compiled.system
+    values = {**known, TIME: scenario.start}
+    for item in (*system.states, *system.dependents):
+        start = given.get(item.path)
+        values[item.symbol] = interpret(item.start, known) if start is None else start
+    held = {p: HeldTable(t, compiled.graph.tables[p].spec.extrapolation == "hold") for p, t in tables.items()}
+    changed, notes = merge_starts(system, Starts(values, held, frozenset(given)))
+    return [changed.get(state.symbol, values[state.symbol]) for state in system.states], notes
 
 
 def _initial_states(
     compiled: CompiledModel, scenario: Scenario, parameters: Values, faults: Faults
 ) -> dict[Path, float]:
     """Initial values of a scenario by state: given as the state itself, or as the variable it decides at its port."""
-    states = {s.path: s for s in compiled.system.states}
+    states = {s.path for s in (*compiled.system.states, *compiled.system.dependents)}
     held = {h.data.path for h in compiled.lowered.held}
     found: dict[Path, float] = {}
     for path, value in scenario.initial.items():
@@ -187,11 +215,7 @@ def _initial_states(
 
 def _at_port(compiled: CompiledModel, path: Path, value: float, parameters: Values, found: dict[Path, float]) -> bool:
     element = compiled.graph.normal.elements.get(Path(path[:-2]))
-    if (
-        element is None
-        or not isinstance(element.behaviour, Storage)
-        or element.path not in compiled.system.causal.integral
-    ):
+    if element is None or not isinstance(element.behaviour, Storage):
         return False
     storage = element.behaviour
     state = element.path / storage.coordinates[0].name

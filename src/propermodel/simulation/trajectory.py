@@ -82,6 +82,7 @@ class Trajectory:
     memory: Memory
     ending: Ending
     statistics: Statistics
+    notes: tuple[str, ...] = ()  # what must be said about the start
 
     def __getitem__(self, observable: Expr | Path | str) -> FloatArray:
         """A recorded column, by observable (`truck.body.flange.flow`), path or text.
@@ -185,11 +186,12 @@ class Trajectory:
 
     def __str__(self) -> str:
         speed = (self.ending.time - self.scenario.start) / max(self.statistics.wall_s, 1e-9)
-        return (
+        head = (
             f"{self.compiled.model.name}, scenario {self.scenario.name}: {self.ending.message}; "
             f"{self.statistics.steps} steps of {self.step:g} s ({self.method}) in {self.statistics.wall_s:.2f} s, "
             f"{speed:.0f} times real time"
         )
+        return "\n".join([head, *(f"  note: {note}" for note in self.notes)])
 
 
 def observable_path(observable: Expr | Path | str) -> Path:
