@@ -60,14 +60,17 @@ def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -
     by_symbol = {p.symbol: p for p in flat.values()}
     for start in flat.values():
         pending = [start]
+        opened: dict[Expr, Path] = {}  # parameters that wait for others
         while pending:
             top = pending[-1]
             if top.symbol in known:
+                opened.pop(top.symbol, None)
                 pending.pop()
                 continue
             missing = [by_symbol[leaf] for leaf in leaves(top.value) if leaf not in known]
-            if any(parameter in pending for parameter in missing):
-                circle = ", ".join(str(parameter.path) for parameter in pending)
+            opened[top.symbol] = top.path
+            if any(parameter.symbol in opened for parameter in missing):
+                circle = ", ".join(str(path) for path in opened.values())
                 raise SimulationError.of(
                     "simulation/parameter-circle",
                     f"these parameters are defined by each other: {circle}",
