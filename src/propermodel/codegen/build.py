@@ -17,9 +17,7 @@ class Backend(StrEnum):
     INTERPRETED = "interpreted"  # NumPy, some hundred times slower
 
 
-def build_machine(
-    program: Program, method: Method, lanes: int = 1, backend: Backend = Backend.NATIVE
-) -> Machine:
+def build_machine(program: Program, method: Method, lanes: int = 1, backend: Backend = Backend.NATIVE) -> Machine:
     """The machine for a program; `lanes` runs are done side by side."""
     if lanes < 1:
         raise ValueError(f"a machine has at least one lane, not {lanes}")

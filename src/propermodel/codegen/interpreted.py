@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
-from propermodel.codegen.dense import solve_dense
 from propermodel.codegen.machine import (
     QUADRATURE,
     SAME_INSTANT,
@@ -32,6 +30,7 @@ from propermodel.codegen.machine import (
     sample_periods,
     state_failures,
 )
+from propermodel.codegen.numeric import Number, choose, interpolate, newton, operation_of
 from propermodel.codegen.program import Array, Extrapolation, Function, Program, Solve
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.codegen.schedule import (
@@ -41,71 +40,10 @@ from propermodel.codegen.schedule import (
     Store,
     leaf_slot,
     number_solves,
-    power_plan,
     sequence,
-    whole_power,
 )
-from propermodel.codegen.tables import PreparedTable, prepare_tables
+from propermodel.codegen.tables import prepare_tables
 from propermodel.expressions.core import Expr, Op
-
-Number = Any  # np.float64, or an array with one entry per lane
-MOST_HALVINGS = 5
-
-
-def _multiply(a: Number, b: Number) -> Number:
-    return a * b
-
-
-def _power(exponent: float) -> Callable[[Number], Number]:
-    plan = power_plan(exponent)
-    if plan is None:
-        return lambda base: np.power(base, exponent)
-
-    def by_multiplication(base: Number) -> Number:
-        result = whole_power(base, plan.whole, _multiply) if plan.whole else None
-        if plan.has_root:
-            result = np.sqrt(base) if result is None else result * np.sqrt(base)
-        return 1.0 / result if plan.is_inverse else result
-
-    return by_multiplication
-
-
-def _choose(condition: Number, a: Number, b: Number) -> Number:
-    return np.where(condition, a, b)[()]
-
-
-def _sign(a: Number) -> Number:
-    return _choose(a > 0.0, 1.0, _choose(a < 0.0, -1.0, 0.0))
-
-
-FUNCTIONS: dict[Op, Callable[..., Number]] = {
-    Op.ADD: lambda a, b: a + b,
-    Op.SUBTRACT: lambda a, b: a - b,
-    Op.MULTIPLY: _multiply,
-    Op.DIVIDE: lambda a, b: a / b,
-    Op.NEGATE: lambda a: -a,
-    Op.ABSOLUTE: abs,
-    Op.SIGN: _sign,
-    Op.SQUARE_ROOT: np.sqrt,
-    Op.EXPONENTIAL: np.exp,
-    Op.LOGARITHM: np.log,
-    Op.SINE: np.sin,
-    Op.COSINE: np.cos,
-    Op.TANH: np.tanh,
-    Op.ARCTANGENT: np.arctan2,
-    Op.FLOOR: np.floor,
-    Op.MINIMUM: lambda a, b: _choose(a <= b, a, b),
-    Op.MAXIMUM: lambda a, b: _choose(a >= b, a, b),
-    Op.LESS: lambda a, b: a < b,
-    Op.LESS_EQUAL: lambda a, b: a <= b,
-    Op.EQUAL: lambda a, b: a == b,
-    Op.AND: lambda a, b: a & b,
-    Op.OR: lambda a, b: a | b,
-    Op.NOT: np.logical_not,
-    Op.WHERE: _choose,
-}
-# Arguments that are conditions stay true or false there; everywhere else they count as 1 or 0.
-_TRUTHS = {Op.AND: 2, Op.OR: 2, Op.NOT: 1, Op.WHERE: 1}
 
 
 class _Run:
@@ -195,10 +133,8 @@ class _Code:
         if node.op in (Op.LOOKUP, Op.SLOPE):
             self._operations[node] = self._lookup(node)
             return
-        function = _power(node.args[1].data[0]) if node.op is Op.POWER else FUNCTIONS[node.op]
-        args = node.args[:1] if node.op is Op.POWER else node.args
-        truths = _TRUTHS.get(node.op, 0)
-        readers = [(self._truth if i < truths else self._number, arg) for i, arg in enumerate(args)]
+        function, truths = operation_of(node)
+        readers = [(self._truth if i < truths else self._number, arg) for i, arg in enumerate(node.args)]
 
         def operation(run: _Run, values: dict[Expr, Number]) -> Number:
             return function(*(read(run, values, arg) for read, arg in readers))
@@ -234,110 +170,10 @@ class _Code:
         active = np.array(run.memory.alive) if run.lanes > 1 else np.True_
         solution, failed = newton(call, start, active, evaluate)
         for index, node, first, last in zip(slots, solve.unknowns, start, solution, strict=True):
-            unknown[index] = _choose(failed, first, last)
+            unknown[index] = choose(failed, first, last)
             values[node] = unknown[index].copy() if run.lanes > 1 else unknown[index]
         if np.any(failed):
             run.fail([int(lane) for lane in np.flatnonzero(failed)], call.number)
-
-
-def interpolate(table: PreparedTable, given: Sequence[Number], holds: bool, axis: int | None) -> Number:
-    """The value of a table at coordinates, or its slope along one axis."""
-    cells: list[Any] = []
-    away: list[Number] = []
-    for item, grid in zip(given, table.axes, strict=True):
-        # Not-a-number belongs to cell 0, although NumPy sorts it last.
-        cell = np.where(np.isnan(item), 0, np.searchsorted(grid.grid, item, side="right"))
-        cells.append(cell)
-        if holds:
-            item = _choose(item < grid.grid[0], grid.grid[0], item)
-            item = _choose(item > grid.grid[-1], grid.grid[-1], item)
-        away.append(item - grid.pairs[cell, 1][()])
-    c = np.moveaxis(table.cells[tuple(cells)], -1, 0)
-    if len(cells) == 1:
-        return c[0] + c[1] * away[0] if axis is None else c[1]
-    if axis is None:
-        return (c[0] + c[1] * away[0]) + (c[2] + c[3] * away[0]) * away[1]
-    return c[1] + c[3] * away[1] if axis == 0 else c[2] + c[3] * away[0]
-
-
-class _Lanes:
-    """The arithmetic of elimination on numbers."""
-
-    def subtract_product(self, a: Number, b: Number, c: Number) -> Number:
-        return a - b * c
-
-    def divide(self, a: Number, b: Number) -> Number:
-        return a / b
-
-    def swapped_if_larger(self, a: list[Number], b: list[Number]) -> tuple[list[Number], list[Number]]:
-        is_larger = abs(b[0]) > abs(a[0])
-        first = [_choose(is_larger, y, x) for x, y in zip(a, b, strict=True)]
-        return first, [_choose(is_larger, x, y) for x, y in zip(a, b, strict=True)]
-
-
-Evaluate = Callable[[list[Number]], tuple[list[Number], list[list[Number]]]]
-
-
-def newton(call: Call, start: list[Number], active: Number, evaluate: Evaluate) -> tuple[list[Number], Number]:
-    """The solution of an implicit block and the lanes without one; see `llvm_newton.py` for the method."""
-    solve = call.solve
-    if call.is_affine:
-        residuals, jacobian = evaluate(start)
-        solution = [x - d for x, d in zip(start, solve_dense(jacobian, residuals, _Lanes()), strict=True)]
-        is_good = np.all([abs(x) < math.inf for x in solution], axis=0)
-        return solution, active & ~is_good
-    x, rest = _iterate(solve, start, active, evaluate)
-    if np.any(rest):
-        x = [_choose(rest, 0.0, item) for item in x]
-        x, rest = _iterate(solve, x, rest, evaluate)
-    return x, rest
-
-
-def _iterate(solve: Solve, x: list[Number], active: Number, evaluate: Evaluate) -> tuple[list[Number], Number]:
-    residuals, jacobian = evaluate(x)
-    for count in range(1, solve.most_iterations + 1):
-        step = solve_dense(jacobian, residuals, _Lanes())
-        moved = [here - d for here, d in zip(x, step, strict=True)]
-        allowed = [solve.tolerance * (abs(there) + s) for there, s in zip(moved, solve.scales, strict=True)]
-        is_small = np.all([abs(d) <= most for d, most in zip(step, allowed, strict=True)], axis=0)
-        x = [_choose(active & is_small, there, here) for there, here in zip(moved, x, strict=True)]
-        active = active & ~is_small
-        if not np.any(active) or count == solve.most_iterations:
-            break
-        weights = _weights(solve, jacobian)
-        norm = _norm(weights, residuals)
-        factor: Number = np.ones_like(active, dtype=np.float64)[()]
-        halvings = 0
-        while True:
-            tried = [_choose(active, here - factor * d, here) for here, d in zip(x, step, strict=True)]
-            residuals, jacobian = evaluate(tried)
-            grew = active & ~(_norm(weights, residuals) <= norm)
-            if not np.any(grew) or halvings == MOST_HALVINGS:
-                break
-            factor = _choose(grew, factor * 0.5, factor)
-            halvings += 1
-        x = tried
-    return x, active
-
-
-def _weights(solve: Solve, jacobian: list[list[Number]]) -> list[Number]:
-    if len(jacobian) == 1:
-        return [1.0]
-    weights: list[Number] = []
-    for row in jacobian:
-        total: Number = 0.0
-        for entry, scale in zip(row, solve.scales, strict=True):
-            total = total + abs(entry) * (scale or 1.0)
-        weights.append(1.0 / total)
-    return weights
-
-
-def _norm(weights: list[Number], residuals: list[Number]) -> Number:
-    total: Number = 0.0
-    for weight, residual in zip(weights, residuals, strict=True):
-        weighed = weight * residual
-        total = total + weighed * weighed
-    return total
 
 
 class InterpretedMachine:
@@ -469,9 +305,7 @@ class _Loop:
         self._activities: list[FloatArray] = []
         self._near = request.step * SAME_INSTANT
         memory.rows_taken = count_from(memory, request, memory.rows_taken, request.row_period)
-        memory.integral_rows_taken = count_from(
-            memory, request, memory.integral_rows_taken, request.integral_period
-        )
+        memory.integral_rows_taken = count_from(memory, request, memory.integral_rows_taken, request.integral_period)
         if machine.lanes == 1:
             memory.alive[:] = True
 

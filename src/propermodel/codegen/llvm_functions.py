@@ -23,8 +23,9 @@ from propermodel.codegen.schedule import (
 )
 from propermodel.expressions.core import Expr, Op
 
-MOST_INSTRUCTIONS = 2000
-_WEIGHTS = {Op.LOOKUP: 20, Op.SLOPE: 5, Op.POWER: 3, Op.SIGN: 4, Op.MINIMUM: 2, Op.MAXIMUM: 2}
+# LLVM's time grows faster than the length of a function; much shorter ones cost speed.
+MOST_INSTRUCTIONS = 300
+_WEIGHTS = {Op.LOOKUP: 20, Op.SLOPE: 3, Op.POWER: 3, Op.SIGN: 4, Op.MINIMUM: 2, Op.MAXIMUM: 2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,9 +96,7 @@ class Writer:
                 items.append(item)
         self.write(name, items, rows, late)
 
-    def write(
-        self, name: str, items: list[Item], rows: dict[Expr, int], late: Iterable[StoreRow] = ()
-    ) -> None:
+    def write(self, name: str, items: list[Item], rows: dict[Expr, int], late: Iterable[StoreRow] = ()) -> None:
         """Write one function as a sequence of pieces; values that cross a cut go through rows of their own."""
         pieces = self._cut(items)
         pieces[-1].late.extend(late)
@@ -109,16 +108,15 @@ class Writer:
             self._define(name, calls, "")
 
     def _define(self, name: str, lines: list[str], attributes: str) -> None:
-        body = "\n".join(lines)
-        self.module.functions.append(f"define internal void @{name}({ARGUMENTS}) {attributes} {{\n{body}\n  ret void\n}}")
+        head = f"define internal void @{name}({ARGUMENTS}) {attributes} {{"
+        self.module.functions.append("\n".join([head, *lines, "  ret void", "}"]))
 
     def _cut(self, items: list[Item]) -> list[Piece]:
         pieces = [Piece()]
-        lanes = self.module.frame.shape.lanes
         for item in items:
             weight = 1
             if isinstance(item, Compute):
-                weight = _WEIGHTS.get(item.node.op, 1) * (lanes if item.node.op in (Op.LOOKUP, Op.SLOPE) else 1)
+                weight = _WEIGHTS.get(item.node.op, 1)
             if pieces[-1].weight + weight > self.most_instructions and pieces[-1].items:
                 pieces.append(Piece())
             pieces[-1].items.append(item)

@@ -1,8 +1,8 @@
 # pyright: basic
 """Prints elementary functions without branches, for any number of lanes.
 
-LLVM does not vectorise calls of the system's library, and libraries differ. These are accurate to about two units in
-the last place and give the same bits on every system. Methods and coefficients: fdlibm (Sun Microsystems, 1993) for
+LLVM does not vectorise calls of the system's library, and libraries differ. These are accurate to four units in the
+last place and give the same bits on every system. Methods and coefficients: fdlibm (Sun Microsystems, 1993) for
 log, sin, cos; Cephes (Moshier, 1989) for exp and atan.
 """
 
@@ -30,8 +30,7 @@ def call_power(text: Text, base: str, exponent: float) -> str:
     """The power of a number with a constant exponent that is not a small whole or half number."""
     if exponent == int(exponent):
         return text.intrinsic("pow", base, text.constant(exponent))
-    bits = struct.unpack("<Q", struct.pack("<d", exponent))[0]
-    return _call(text, f"pow.{bits:016x}", lambda t, x: _power(t, x, exponent), [base])
+    return _call(text, f"pow.{_bits_of(exponent):016x}", lambda t, x: _power(t, x, exponent), [base])
 
 
 def _call(text: Text, name: str, body: Callable[..., str], arguments: Sequence[str]) -> str:
@@ -48,8 +47,8 @@ def _define(module: Module, shape: Shape, name: str, body: Callable[..., str], c
     parameters = [f"%x{i}" for i in range(count)]
     result = body(_Bits(text), *parameters)
     signature = ", ".join(f"{shape.number} {parameter}" for parameter in parameters)
-    lines = "\n".join(text.lines)
-    return f"define internal {shape.number} @{name}({signature}) nounwind {{\n{lines}\n  ret {shape.number} {result}\n}}"
+    head = f"define internal {shape.number} @{name}({signature}) nounwind {{"
+    return "\n".join([head, *text.lines, f"  ret {shape.number} {result}", "}"])
 
 
 class _Bits:
@@ -193,12 +192,23 @@ def _log_ends(b: _Bits, x: str, result: str) -> str:
     return b.choose(b.compare("olt", x, zero), b.constant(math.nan), result)
 
 
+_UPPER = 0xFFFFFFFFF8000000  # the bits of a number that leave room for exact products
+
+
+def _bits_of(value: float) -> int:
+    return struct.unpack("<Q", struct.pack("<d", value))[0]
+
+
+def _number_of(bits: int) -> float:
+    return struct.unpack("<d", struct.pack("<Q", bits))[0]
+
+
 def _power(b: _Bits, x: str, exponent: float) -> str:
     """The exponential of the exponent times the logarithm, whose leading product is exact."""
     k, f, half_square, c = _log_parts(b, x)
 
     def upper(a: str) -> str:
-        return b.number(b.on_bits("and", b.bits(a), ~0x7FFFFFF & 0xFFFFFFFFFFFFFFFF))
+        return b.number(b.on_bits("and", b.bits(a), _UPPER))
 
     # log x = head + tail, with few bits in the head.
     near = b.subtract(f, b.subtract(half_square, c))
@@ -206,8 +216,8 @@ def _power(b: _Bits, x: str, exponent: float) -> str:
     whole = b.scaled(k, _LN2_LONG[0])
     total = b.add(whole, near)
     head = upper(total)
-    tail = b.add(b.add(b.subtract(b.subtract(whole, head), b.constant(0.0)), near), b.add(lost, b.scaled(k, _LN2_LONG[1])))
-    exponent_head = struct.unpack("<d", struct.pack("<Q", struct.unpack("<Q", struct.pack("<d", exponent))[0] & ~0x7FFFFFF))[0]
+    tail = b.add(b.add(b.subtract(whole, head), near), b.add(lost, b.scaled(k, _LN2_LONG[1])))
+    exponent_head = _number_of(_bits_of(exponent) & _UPPER)
     leading = b.scaled(head, exponent_head)
     rest = b.add(b.scaled(head, exponent - exponent_head), b.scaled(tail, exponent))
     result = _exp_scaled(b, *_exp_parts(b, b.clipped(leading, -746.0, 710.0), rest))

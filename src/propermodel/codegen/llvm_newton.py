@@ -8,6 +8,7 @@ converged begin again at zero, once.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from propermodel.codegen.dense import solve_dense
@@ -49,7 +50,8 @@ class _Newton:
         )
         # Pointers are made in the entry block, which comes before every use.
         entries = (entry for row in self.jacobian for entry in row)
-        for row in (*self.unknown_rows, *self.trial, *self.residual, *entries, self.alive, self.failed, self.failed_time):
+        verdict = (self.alive, self.failed, self.failed_time)
+        for row in (*self.unknown_rows, *self.trial, *self.residual, *entries, *verdict):
             text.address(row)
         if size > LARGEST_STRAIGHT:
             for row in range((size + 1) * size):
@@ -64,7 +66,7 @@ class _Newton:
         corrections = self._corrections()
         solution = [text.emit(f"fsub {text.kind} {x}, {d}") for x, d in zip(start, corrections, strict=True)]
         is_good = self.shape.truth_constant(True)
-        infinity = self.shape.constant(float("inf"))
+        infinity = self.shape.constant(math.inf)
         for x in solution:
             is_good = text.both(is_good, text.compare("olt", text.size(x), infinity))
         self._finish(solution, text.both(active, text.opposite(is_good)))
@@ -170,11 +172,14 @@ class _Newton:
         text, solve = self.text, self.call.solve
         is_small = self.shape.truth_constant(True)
         after = []
-        tolerance = self.shape.constant(solve.tolerance)
+        tolerance, infinity = self.shape.constant(solve.tolerance), self.shape.constant(math.inf)
         for here, correction, scale in zip(before, corrections, solve.scales, strict=True):
             there = text.emit(f"fsub {text.kind} {here}, {correction}")
             allowed = text.multiply(tolerance, text.add(text.size(there), self.shape.constant(scale)))
-            is_small = text.both(is_small, text.compare("ole", text.size(correction), allowed))
+            size = text.size(correction)
+            is_small = text.both(is_small, text.compare("ole", size, allowed))
+            # An infinite correction is not small beside an infinite unknown.
+            is_small = text.both(is_small, text.compare("olt", size, infinity))
             after.append(there)
         moving = text.get(self.shape.truth, active)
         arrived = text.both(moving, is_small)
@@ -305,8 +310,6 @@ def elimination(module: Module) -> str:
     loop(i, "0", "%n", copy_row)
     loop(k, "0", "%n", eliminate)
     loop(k, "0", "%n", substitute)
-    body = "\n".join(text.lines)
-    return (
-        "define internal void @solve.loop(ptr noalias %matrix, ptr noalias %right, ptr noalias %work, i64 %n) noinline {\n"
-        f"{body}\n  ret void\n}}"
-    )
+    parameters = "ptr noalias %matrix, ptr noalias %right, ptr noalias %work, i64 %n"
+    head = f"define internal void @solve.loop({parameters}) noinline {{"
+    return "\n".join([head, *text.lines, "  ret void", "}"])

@@ -7,7 +7,7 @@ run, as coordinates seldom leave a cell within a step: a search is the exception
 
 from __future__ import annotations
 
-from propermodel.codegen.llvm_text import SCALAR, Module, Shape, Text, literal
+from propermodel.codegen.llvm_text import Module, Shape, Text, literal
 from propermodel.codegen.program import Extrapolation
 from propermodel.expressions.core import Expr, Op
 
@@ -65,10 +65,10 @@ class TableText:
             if item >= _AXIS_ITEMS * axes or item % _AXIS_ITEMS == 2
         }
         away: list[str] = []
+        holds = slot.extrapolation is Extrapolation.HOLD
         for axis, coordinate in enumerate(coordinates):
-            if slot.extrapolation is Extrapolation.HOLD:
-                coordinate = self._held(index, AXIS_WORDS * axis, coordinate, text)
-            away.append(text.subtract(coordinate, kept[_AXIS_ITEMS * axis + 2]))
+            held = self._held(index, AXIS_WORDS * axis, coordinate, text) if holds else coordinate
+            away.append(text.subtract(held, kept[_AXIS_ITEMS * axis + 2]))
         return [kept[item] for item in range(_AXIS_ITEMS * axes, items)], away
 
     def _held(self, index: int, first: int, coordinate: str, text: Text) -> str:
@@ -120,9 +120,7 @@ def _check(module: Module, shape: Shape, name: str, parameters: list[str], axes:
     return _define(name, parameters, text, "alwaysinline")
 
 
-def _miss(
-    module: Module, shape: Shape, name: str, parameters: list[str], axes: int, is_uniform: bool
-) -> str:
+def _miss(module: Module, shape: Shape, name: str, parameters: list[str], axes: int, is_uniform: bool) -> str:
     text = Text(module, shape)
     stride = 8 * shape.lanes
     find = "uniform" if is_uniform else "bisect"

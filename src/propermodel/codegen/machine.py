@@ -242,7 +242,7 @@ def sample_periods(program: Program, memory: Memory) -> list[float]:
         if not np.all(values > 0.0):
             raise ValueError(f"the sample period in parameter {index} is {values.min()}; it must be positive")
         if np.any(values != values[0]):
-            raise ValueError(f"the sample period in parameter {index} differs between lanes, which share their instants")
+            raise ValueError(f"the sample period in parameter {index} differs between lanes, which sample together")
         result.append(float(values[0]))
     return result
 
@@ -294,7 +294,7 @@ def check_request(program: Program, memory: Memory, request: Request) -> None:
         raise ValueError("most_rows and most_ticks must be at least 1")
     count = program.layout.lengths.get(Array.SIGNAL, 0)
     selected = request.selected
-    if selected.size and not (0 <= int(selected.min()) and int(selected.max()) < count):
+    if selected.size and not (int(selected.min()) >= 0 and int(selected.max()) < count):
         raise ValueError(f"selected signals must be between 0 and {count - 1}")
     if not memory.alive.any() and memory.alive.size > 1:
         raise ValueError("every lane of this memory has failed")

@@ -1,4 +1,4 @@
-"""The order in which a backend computes a `Function`: every node once, arguments before users, solves in their place."""
+"""The order in which a backend computes a `Function`: every node once, arguments first, solves in their place."""
 
 from __future__ import annotations
 

@@ -69,8 +69,8 @@ def check_table(slot: TableSlot, data: TableData) -> None:
         if not (gaps > 0.0).all():
             place = int(np.argmin(gaps > 0.0))
             raise ValueError(f"{name}: grid {axis} must grow, but {grid[place + 1]} follows {grid[place]}")
-        if slot.is_uniform and np.any(np.abs(grid - np.linspace(grid[0], grid[-1], grid.size)) > 1e-6 * _mean(gaps)):
-            raise ValueError(f"{name}: grid {axis} is declared equidistant, but its gaps are {gaps.min()} to {gaps.max()}")
+        if slot.is_uniform and gaps.size and not _is_uniform(grid):
+            raise ValueError(f"{name}: grid {axis} must be equidistant, but its gaps are {gaps.min()} to {gaps.max()}")
     shape = tuple(grid.size for grid in data.grids)
     if data.values.size != np.prod(shape) or (data.values.ndim > 1 and data.values.shape != shape):
         raise ValueError(f"{name} needs values of shape {shape}, not {data.values.shape}")
@@ -78,8 +78,9 @@ def check_table(slot: TableSlot, data: TableData) -> None:
         raise ValueError(f"{name} has a value that is not finite")
 
 
-def _mean(gaps: FloatArray) -> float:
-    return float(gaps.mean()) if gaps.size else 0.0
+def _is_uniform(grid: FloatArray) -> bool:
+    even = np.linspace(grid[0], grid[-1], grid.size)
+    return bool(np.all(np.abs(grid - even) <= 1e-6 * (even[1] - even[0])))
 
 
 def _prepare(slot: TableSlot, data: TableData) -> PreparedTable:

@@ -1,0 +1,78 @@
+# pyright: basic
+"""Prints a whole program as one LLVM module."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS, Writer
+from propermodel.codegen.llvm_newton import LARGEST_STRAIGHT
+from propermodel.codegen.llvm_run import write_entries, write_run
+from propermodel.codegen.llvm_step import StepWriter, write_common
+from propermodel.codegen.llvm_tables import TABLE_FUNCTIONS
+from propermodel.codegen.llvm_text import WIDE, Frame, Module, Shape
+from propermodel.codegen.machine import IntArray, Method
+from propermodel.codegen.program import Array, Program, Solve
+from propermodel.codegen.reciprocals import with_reciprocals
+
+
+@dataclass(frozen=True)
+class Source:
+    """The printed program: its text, where its numbers are, and the row of every state in the state regions."""
+
+    text: str
+    frame: Frame
+    state_rows: IntArray
+
+
+def print_program(
+    program: Program, method: Method, lanes: int = 1, most_instructions: int = MOST_INSTRUCTIONS
+) -> Source:
+    """The LLVM IR of a program; functions are cut into pieces of about `most_instructions`."""
+    program = with_reciprocals(program)
+    lengths = program.layout.lengths
+    shape = Shape(lanes)
+    momenta = list(program.layout.momenta)
+    rest = [i for i in range(lengths.get(Array.STATE, 0)) if i not in set(momenta)]
+    # Momenta come first, padded so that the other states begin at a wide operation.
+    momentum_rows = len(momenta)
+    while momentum_rows * lanes % WIDE:
+        momentum_rows += 1
+    state_rows = {index: row for row, index in enumerate(momenta)}
+    state_rows |= {index: momentum_rows + k for k, index in enumerate(rest)}
+    count = momentum_rows + len(rest)
+
+    frame = Frame(shape, program.layout, state_rows)
+    _reserve(frame, program, method, count)
+    module = Module(frame)
+    Writer(module, program, most_instructions).write_program()
+    write_common(module, count)
+    StepWriter(module, program, method, momentum_rows, count).write()
+    write_entries(module, program)
+    write_run(module, program)
+    text = module.text() + "\n" + TABLE_FUNCTIONS
+    return Source(text, frame, np.array([state_rows[i] for i in range(len(state_rows))], dtype=np.int64))
+
+
+def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) -> None:
+    functions = (program.rates, program.displacement_rates, program.observe, *program.samples)
+    sizes = [len(step.unknowns) for function in functions for step in function.steps if isinstance(step, Solve)]
+    size = max(sizes, default=0)
+    for region in (Array.STATE, Array.RATE, "lower", "upper"):
+        frame.reserve(region, state_rows)
+    if method is Method.RK4:
+        frame.reserve("start", state_rows)
+        frame.reserve("sum", state_rows)
+    for array in (Array.DISCRETE, Array.PARAMETER, Array.UNKNOWN, Array.POWER, Array.SIGNAL):
+        frame.reserve(array, program.layout.lengths.get(array, 0))
+    frame.reserve("kept_unknown", program.layout.lengths.get(Array.UNKNOWN, 0))
+    frame.reserve("integral", program.layout.lengths.get(Array.POWER, 0))
+    frame.reserve("activity", program.layout.lengths.get(Array.POWER, 0))
+    frame.reserve("trial", size)
+    frame.reserve("residual", size)
+    frame.reserve("jacobian", size * size)
+    frame.reserve("elimination", size * (size + 1) if size > LARGEST_STRAIGHT else 0)
+    for region in ("alive", "failed", "failed_time"):
+        frame.reserve(region, 1)
