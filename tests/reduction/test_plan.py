@@ -139,6 +139,25 @@ def test_a_preload_is_not_dropped_although_it_does_no_work():
     assert np.min(fallen["body.flange.flow"]) < -0.5
 
 
+def test_what_holds_a_preloaded_body_does_not_go_together():
+    # Against the preload each of spring (made constant), damper and body is small. But weight and preload cancel, so
+    # that without them the brake, with 30 % of the activity, would push against nothing.
+    full, r, reduction = planned(preloaded(), 2.0, threshold=0.95, tolerance=0.2)
+    assert rank_activity(r).row(Path(("spring",))).index < 0.02
+    assert verdicts(reduction)["spring"] is Verdict.REFUSED
+    reason = next(d.reason for d in reduction.decisions if str(d.row.path) == "spring")
+    assert "out of 1-junction body.flange, with all that would go there 0.78%" in reason
+    reduced = run(full.model.without(reduction.removals), 2.0, step=5e-4)
+    assert np.max(np.abs(reduced["body.flange.flow"])) < 0.2  # without its spring it would fall at 20 m/s
+    fallen = run(full.model.without([ZeroEffort(parse_path("spring.port"))]), 2.0, step=5e-4)
+    assert np.min(fallen["body.flange.flow"]) < -0.5
+
+
+def test_small_terms_go_together_where_something_large_stays():
+    _, _, reduction = planned(driveline(), 2.0, threshold=0.9, tolerance=0.1)
+    assert len(reduction.removed) > 1
+
+
 # -- constants and groups ----------------------------------------------------------------------------------------
 
 

@@ -40,6 +40,11 @@ class RunEvidence:
         greatest = max(self._weight(peer, junction) for peer in self.at[junction])
         return self.activities[bond.name] / greatest if greatest > 0.0 else 0.0
 
+    def strength(self, bond: Bond, junction: Path) -> float:
+        """The share of a bond at a junction, where a field counts with its most active port."""
+        greatest = max(self._weight(peer, junction) for peer in self.at[junction])
+        return self._weight(bond, junction) / greatest if greatest > 0.0 else 0.0
+
     def _weight(self, bond: Bond, junction: Path) -> float:
         owner = bond.other(junction).owner
         ports = self.at[owner] if self.is_field(owner) else [bond]

@@ -16,7 +16,7 @@ from propermodel.bondgraph.graph import Bond
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import JunctionKind, Removal, ZeroEffort, ZeroFlow
 from propermodel.reduction.evidence import RunEvidence
-from propermodel.reduction.single import CONSTANT_GAIN, PRELOAD_SHARE, Proposal
+from propermodel.reduction.single import CONSTANT_GAIN, PRELOAD_SHARE, Proposal, Term
 
 # A driven part that may go although it is active holds at most this share of all activity.
 LARGEST_DRIVEN_SHARE = 0.25
@@ -50,7 +50,8 @@ class Group:
             else f"what the rest feels of it is at most {worst.share:.2%} of the greatest activity (at {worst.outside})"
         )
         others = f"with {len(rows) - 1} other row{'s' if len(rows) > 2 else ''}, " if len(rows) > 1 else ""
-        return Proposal(self.rows, self.removals, self.meaning, f"{others}{edge}")
+        terms = tuple(Term(b.bond, b.outside, b.share) for b in self.boundary)
+        return Proposal(self.rows, self.removals, self.meaning, f"{others}{edge}", terms)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import OBSERVED, signals_to_freeze
 from propermodel.reduction.groups import Group, GroupRules, find_groups
 from propermodel.reduction.single import Proposal, propose, propose_constant
+from propermodel.reduction.together import too_much_together
 from propermodel.simulation.trajectory import Trajectory, observable_path
 
 
@@ -216,6 +217,10 @@ def _verify(
     """Accept the proposals that leave a model with equations; all at once where possible, otherwise one by one."""
     refused = [p for p in proposals if not p.removals]
     open_proposals = [p for p in proposals if p.removals]
+    while (found := too_much_together(evidence, open_proposals, rules.tolerance)) is not None:
+        proposal, why = found
+        open_proposals.remove(proposal)
+        refused.append(proposal.refused(why))
     if _fault(compiled, evidence, open_proposals, keep, rules) is None:
         return open_proposals, refused
     accepted: list[Proposal] = []

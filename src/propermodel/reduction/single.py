@@ -26,6 +26,15 @@ CONSTANT_GAIN = 0.5
 
 
 @dataclass(frozen=True, slots=True)
+class Term:
+    """What a removal takes out of the sum of a junction: a share of the junction's greatest activity."""
+
+    bond: Path
+    junction: Path
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
 class Proposal:
     """Removals that belong together, for one row or a group; without removals it is a refusal."""
 
@@ -33,10 +42,11 @@ class Proposal:
     removals: tuple[Removal, ...]
     meaning: str
     reason: str
+    terms: tuple[Term, ...] = ()
 
     def refused(self, why: str) -> Proposal:
         """The same proposal, refused."""
-        return replace(self, removals=(), meaning="refused", reason=f"{self.meaning} was tried, but {why}")
+        return replace(self, removals=(), terms=(), meaning="refused", reason=f"{self.meaning} was tried, but {why}")
 
 
 def propose_constant(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal | None:
@@ -68,6 +78,7 @@ def propose_constant(evidence: RunEvidence, row: ActivityRow, tolerance: float) 
         f"constant {output} {value:.6g}",
         f"what a constant leaves unexplained is at most {max(rests):.2%} of the greatest activity "
         f"(zero: {max(shares):.2%})",
+        tuple(Term(bond.name, place, rest) for (bond, place), rest in zip(sums, rests, strict=True)),
     )
 
 
@@ -97,15 +108,18 @@ def propose(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Propos
     removals: list[Removal] = []
     meanings: list[str] = []
     reasons: list[str] = []
+    terms: list[Term] = []
     for bond, _ in row.ports:
         found = _at_bond(evidence, evidence.structure.bonds[bond], tolerance)
         if found is None or not _is_one_port_row(evidence, row):
             return _refuse(evidence, row, tolerance)
-        removal, meaning, reason = found
+        removal, meaning, reason, term = found
         removals.append(removal)
         meanings.append(meaning)
         reasons.append(reason)
-    return Proposal((row.path,), tuple(removals), " and ".join(dict.fromkeys(meanings)), "; ".join(reasons))
+        terms.append(term)
+    meaning = " and ".join(dict.fromkeys(meanings))
+    return Proposal((row.path,), tuple(removals), meaning, "; ".join(reasons), tuple(terms))
 
 
 def _is_one_port_row(evidence: RunEvidence, row: ActivityRow) -> bool:
@@ -119,7 +133,7 @@ def _junction_of(bond: Bond) -> Path | None:
     return None
 
 
-def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Removal, str, str] | None:
+def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Removal, str, str, Term] | None:
     """The replacement at one bond, by the rule of its junction: at a sum, the small term is dropped."""
     junction = _junction_of(bond)
     if junction is None or len(evidence.at[junction]) < 2:
@@ -132,7 +146,7 @@ def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Remov
     if share <= tolerance and size <= max(PRELOAD_SHARE, tolerance):
         make_zero = ZeroEffort if kind is JunctionKind.ONE else ZeroFlow
         reason = f"its {variable} carries {share:.2%} of the greatest activity {where}"
-        return make_zero(bond.name), f"no {variable}", reason
+        return make_zero(bond.name), f"no {variable}", reason, Term(bond.name, junction, share)
     return None
 
 
