@@ -206,7 +206,7 @@ def test_one_object_under_two_names_is_refused():
     (fault,) = caught.value.diagnostics
     assert fault.code == "model/two-names"
     assert fault.message == "Twins gives one object the names 'axle' and 'front'"
-    assert fault.help == "make each part its own: front = Axle(...), rear = Axle(...)"
+    assert fault.help == "make each part its own: left = Wheel(...), right = Wheel(...)"
 
 
 def faults_of(component: Component):

@@ -286,7 +286,7 @@ def _names(cls: type, declarations: Mapping[str, Any]) -> dict[int, str]:
                 raise ModelError.of(
                     "model/two-names",
                     f"{cls.__name__} gives one object the names '{names[id(member)]}' and '{name}'",
-                    help="make each part its own: front = Axle(...), rear = Axle(...)",
+                    help="make each part its own: left = Wheel(...), right = Wheel(...)",
                 )
             names[id(member)] = f"{name}[{index}]" if isinstance(value, Repeated) else name
     # What a subclass declares anew is meant wherever the class it inherits from names the old.
