@@ -188,7 +188,7 @@ def test_models_of_the_library_have_what_their_entry_says(name: str):
 
 
 def test_demo_writes_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("propermodel.cli.demo.DEMO", ("half-car",))  # the truck takes minutes
+    monkeypatch.setattr("propermodel.cli.demo.SUBJECT", "half-car")  # the truck takes minutes
     printed = succeed("demo", "--out", tmp_path, "--until", "1")
     assert (tmp_path / "mission.png").as_posix() in printed
     assert (tmp_path / "summary.json").is_file()

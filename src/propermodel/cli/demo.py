@@ -10,6 +10,9 @@ import typer
 from propermodel.cli.options import AsJson, Until, configured
 
 
+SUBJECT = "truck"
+
+
 def demo(
     out: Annotated[FilePath, typer.Option("--out", help="Folder for the files.", metavar="DIR", file_okay=False)],
     until: Until = None,
@@ -20,7 +23,7 @@ def demo(
     from propermodel.cli.reduce import reduce_subject
     from propermodel.report.study import StudyOptions
 
-    subject = configured(load_subject("truck"), until=until)
+    subject = configured(load_subject(SUBJECT), until=until)
     options = StudyOptions(
         outputs=subject.outputs, totals=subject.totals, panels=subject.panels, method=subject.method, step=subject.step
     )

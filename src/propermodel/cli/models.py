@@ -91,6 +91,11 @@ NAMED_MODELS: Mapping[str, NamedModel] = MappingProxyType(
                         Series("hydraulics.reservoir_pressure", "reservoir", dashed=True),
                     ),
                 ),
+                Panel(
+                    "State of charge: oil in the accumulator",
+                    (Series("hydraulics.accumulator_oil", scale=1e3),),
+                    unit="L",
+                ),
                 _FUEL,
             ),
         ),

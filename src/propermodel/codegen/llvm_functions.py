@@ -21,7 +21,7 @@ from propermodel.codegen.schedule import (
     number_solves,
     sequence,
 )
-from propermodel.expressions.core import Expr, Op
+from propermodel.expressions.core import Expr, Op, postorder
 
 # LLVM's time grows faster than the length of a function; much shorter ones cost speed.
 MOST_INSTRUCTIONS = 300
@@ -176,4 +176,9 @@ class Writer:
         ]
         at_trial = {unknown: trial + i for i, unknown in enumerate(solve.unknowns)}
         self.write(f"{name}.residual", items, {**rows, **at_trial})
+        if not call.is_affine:
+            needed = set(postorder(solve.residuals))
+            alone: list[Item] = [Compute(node) for node in call.inner if node in needed]
+            alone += [StoreRow(residual + i, root) for i, root in enumerate(solve.residuals)]
+            self.write(f"{name}.check", alone, {**rows, **at_trial})
         write_newton(self.module, name, call)

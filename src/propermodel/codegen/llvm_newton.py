@@ -109,7 +109,14 @@ class _Newton:
         text.put(kind, self._norm(weights), norm)
         text.put(kind, self.shape.constant(1.0), factor)
         text.put("i32", "0", halvings)
-        text.do("br label %trial")
+        # Where the whole step leads to residuals that the same Jacobian calls small, no other Jacobian is needed.
+        first = []
+        moving = text.get(truth, active)
+        for here, correction in zip(before, corrections, strict=True):
+            first.append(text.choose(moving, text.emit(f"fsub {kind} {here}, {correction}"), here))
+        self._evaluate(first, "check")
+        rest = self._accept_small(first, self._corrections(), x, active, stay=before)
+        text.do(f"br i1 {text.any(rest)}, label %trial, label %done")
 
         text.label("trial")
         share, moving = text.get(kind, factor), text.get(truth, active)
@@ -149,10 +156,11 @@ class _Newton:
     def _alive(self) -> str:
         return self.text.compare("une", self.text.load_row(self.alive), self.shape.constant(0.0))
 
-    def _evaluate(self, at: list[str]) -> None:
+    def _evaluate(self, at: list[str], what: str = "residual") -> None:
+        """Compute the residuals at a trial point: with the Jacobian (`residual`) or alone (`check`)."""
         for row, item in zip(self.trial, at, strict=True):
             self.text.store_row(row, item)
-        self.text.do(f"call void @{self.name}.residual({PASSED})")
+        self.text.do(f"call void @{self.name}.{what}({PASSED})")
 
     def _corrections(self) -> list[str]:
         text = self.text
@@ -167,8 +175,10 @@ class _Newton:
         matrix = [[text.load_row(entry) for entry in row] for row in self.jacobian]
         return solve_dense(matrix, [text.load_row(row) for row in self.residual], text)
 
-    def _accept_small(self, before: list[str], corrections: list[str], x: list[str], active: str) -> str:
-        """Move and freeze the lanes whose corrections are all small; the lanes that are left."""
+    def _accept_small(
+        self, before: list[str], corrections: list[str], x: list[str], active: str, stay: list[str] | None = None
+    ) -> str:
+        """Move and freeze the lanes whose corrections are all small; the lanes that are left, which stay."""
         text, solve = self.text, self.call.solve
         is_small = self.shape.truth_constant(True)
         after = []
@@ -183,7 +193,7 @@ class _Newton:
             after.append(there)
         moving = text.get(self.shape.truth, active)
         arrived = text.both(moving, is_small)
-        for here, there, item in zip(before, after, x, strict=True):
+        for here, there, item in zip(stay or before, after, x, strict=True):
             text.put(text.kind, text.choose(arrived, there, here), item)
         rest = text.both(moving, text.opposite(is_small))
         text.put(self.shape.truth, rest, active)

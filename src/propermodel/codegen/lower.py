@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+
+import numpy as np
 
 from propermodel.bondgraph.graph import BondGraph, SampledController
 from propermodel.codegen.program import (
@@ -295,9 +296,9 @@ def _table_slot(graph: BondGraph, path: Path) -> TableSlot:
 
 
 def is_uniform(values: TableValues) -> bool:
-    """Whether every grid is equidistant to rounding, with more than two points."""
+    """Whether every grid is equidistant to rounding."""
     for grid in values.grids:
-        step = (grid[-1] - grid[0]) / (len(grid) - 1)
-        if any(abs(b - a - step) > 1e-9 * abs(step) for a, b in pairwise(grid)):
+        gaps = np.diff(np.array(grid))
+        if np.any(np.abs(gaps - np.mean(gaps)) > 1e-9 * abs(np.mean(gaps))):
             return False
     return True

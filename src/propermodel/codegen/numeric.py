@@ -150,16 +150,17 @@ def _iterate(solve: Solve, x: list[Number], active: Number, evaluate: Evaluate) 
     residuals, jacobian = evaluate(x)
     for count in range(1, solve.most_iterations + 1):
         step = solve_dense(jacobian, residuals, _Lanes())
-        moved = [here - d for here, d in zip(x, step, strict=True)]
-        allowed = [solve.tolerance * (abs(there) + s) for there, s in zip(moved, solve.scales, strict=True)]
-        # An infinite correction is not small beside an infinite unknown.
-        is_small = np.all([(abs(d) <= most) & (abs(d) < math.inf) for d, most in zip(step, allowed, strict=True)], axis=0)
-        x = [choose(active & is_small, there, here) for there, here in zip(moved, x, strict=True)]
-        active = active & ~is_small
+        x, active = _accept_small(solve, x, step, active, x)
         if not np.any(active) or count == solve.most_iterations:
             break
         weights = _weights(solve, jacobian)
         norm = _norm(weights, residuals)
+        # Where the whole step leads to residuals that the same Jacobian calls small, no other Jacobian is needed.
+        first = [choose(active, here - d, here) for here, d in zip(x, step, strict=True)]
+        again = solve_dense(jacobian, evaluate(first)[0], _Lanes())
+        x, active = _accept_small(solve, first, again, active, x)
+        if not np.any(active):
+            break
         factor: Number = np.ones_like(active, dtype=np.float64)[()]
         halvings = 0
         while True:
@@ -172,6 +173,19 @@ def _iterate(solve: Solve, x: list[Number], active: Number, evaluate: Evaluate) 
             halvings += 1
         x = tried
     return x, active
+
+
+def _accept_small(
+    solve: Solve, before: list[Number], step: list[Number], active: Number, stay: list[Number]
+) -> tuple[list[Number], Number]:
+    """Move and freeze the lanes whose corrections are all small; the lanes that are left stay."""
+    moved = [here - d for here, d in zip(before, step, strict=True)]
+    allowed = [solve.tolerance * (abs(there) + s) for there, s in zip(moved, solve.scales, strict=True)]
+    # An infinite correction is not small beside an infinite unknown.
+    small = [(abs(d) <= most) & (abs(d) < math.inf) for d, most in zip(step, allowed, strict=True)]
+    is_small = np.all(small, axis=0)
+    x = [choose(active & is_small, there, here) for there, here in zip(moved, stay, strict=True)]
+    return x, active & ~is_small
 
 
 def _weights(solve: Solve, jacobian: list[list[Number]]) -> list[Number]:
