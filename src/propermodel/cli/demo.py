@@ -9,7 +9,6 @@ import typer
 
 from propermodel.cli.options import AsJson, Until, configured
 
-
 SUBJECT = "truck"
 
 
