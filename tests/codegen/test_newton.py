@@ -123,3 +123,18 @@ def test_controllers_may_contain_blocks(backend: Backend) -> None:
     )
     assert outcome.rows[0, 0] == pytest.approx(1.0, rel=1e-12)
     assert outcome.rows[1, 0] == pytest.approx(brentq(lambda v: v**3 + v - 1.8, 0, 1, xtol=1e-15), rel=1e-12)
+
+
+@BACKENDS
+def test_a_lane_that_is_done_keeps_its_solution_while_others_go_on(backend: Backend) -> None:
+    draft, _, _ = scalar(lambda u, x: exp(u) + u - 2.0 * x)
+    # The first lane is done after one correction that is small, but not nothing.
+    starts = [brentq(lambda v: np.exp(v) + v - 2.0, 0.0, 1.0, xtol=1e-15) + 4e-12, 20.0, -3.0, 0.4]
+    together = draft.memory(4)
+    together.unknown[0] = starts
+    _, powers = build_machine(draft.program(), Method.EULER, 4, backend).rates(together)
+    machine = build_machine(draft.program(), Method.EULER, 1, backend)
+    for lane, start in enumerate(starts):
+        alone = draft.memory()
+        alone.unknown[0] = start
+        assert machine.rates(alone)[1][0] == powers[0, lane]

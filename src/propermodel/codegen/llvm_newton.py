@@ -115,7 +115,7 @@ class _Newton:
         for here, correction in zip(before, corrections, strict=True):
             first.append(text.choose(moving, text.emit(f"fsub {kind} {here}, {correction}"), here))
         self._evaluate(first, "check")
-        rest = self._accept_small(first, self._corrections(), x, active, stay=before)
+        rest = self._accept_small(first, self._corrections(), x, active)
         text.do(f"br i1 {text.any(rest)}, label %trial, label %done")
 
         text.label("trial")
@@ -175,10 +175,8 @@ class _Newton:
         matrix = [[text.load_row(entry) for entry in row] for row in self.jacobian]
         return solve_dense(matrix, [text.load_row(row) for row in self.residual], text)
 
-    def _accept_small(
-        self, before: list[str], corrections: list[str], x: list[str], active: str, stay: list[str] | None = None
-    ) -> str:
-        """Move and freeze the lanes whose corrections are all small; the lanes that are left, which stay."""
+    def _accept_small(self, before: list[str], corrections: list[str], x: list[str], active: str) -> str:
+        """Move and freeze the lanes whose corrections are all small; the lanes that are left. All others stay."""
         text, solve = self.text, self.call.solve
         is_small = self.shape.truth_constant(True)
         after = []
@@ -193,8 +191,8 @@ class _Newton:
             after.append(there)
         moving = text.get(self.shape.truth, active)
         arrived = text.both(moving, is_small)
-        for here, there, item in zip(stay or before, after, x, strict=True):
-            text.put(text.kind, text.choose(arrived, there, here), item)
+        for there, item in zip(after, x, strict=True):
+            text.put(text.kind, text.choose(arrived, there, text.get(text.kind, item)), item)
         rest = text.both(moving, text.opposite(is_small))
         text.put(self.shape.truth, rest, active)
         return rest
