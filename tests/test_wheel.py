@@ -99,3 +99,11 @@ def test_the_package_is_imported_from_the_clean_environment(installation: Instal
 
 def test_the_command_tells_its_version(installation: Installation):
     assert metadata.version("propermodel") in installation.run("propermodel", "--version")
+
+
+def test_the_wheel_reduces_the_truck_with_its_own_data(installation: Installation):
+    printed = installation.run(
+        "propermodel", "reduce", "truck", "--until", "2", "--no-speed", "--no-best-steps", "--out", "study"
+    )
+    assert "57 energy elements" in printed
+    assert (installation.work / "study" / "summary.json").is_file()

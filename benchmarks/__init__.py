@@ -1,0 +1,1 @@
+"""Measurements: speed, memory and growth, printed with what made them."""
