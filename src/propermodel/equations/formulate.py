@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from propermodel.bondgraph.graph import Element
 from propermodel.causality.causal import CausalGraph
 from propermodel.diagnostics import Diagnostic, Involved, Path, StructureError
+from propermodel.equations.condense import condense
 from propermodel.equations.definitions import Definitions, Variables, define
 from propermodel.equations.loops import Resolution, strong_components
 from propermodel.equations.rows import rows_of
@@ -325,6 +326,11 @@ def _reduce_block(
     substitute = Substitution(eliminated)
     symbols = tuple(members[i].symbol for i in keep)
     left = tuple(substitute(residuals[i]) for i in keep)
+    condensed = condense(symbols, left)
+    if condensed is not None:
+        symbols, left = condensed.unknowns, condensed.residuals
+        finish = Substitution(condensed.eliminated)
+        eliminated = {unknown: finish(value) for unknown, value in eliminated.items()} | condensed.eliminated
     partials = partial_derivatives(left, symbols)
     block = ImplicitBlock(
         unknowns=symbols,
