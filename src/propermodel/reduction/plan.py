@@ -290,7 +290,7 @@ def _assemble(
         if row.path in going:
             p = going[row.path]
             decisions.append(Decision(row, Verdict.REMOVED, p.removals, p.meaning, p.reason))
-        elif row.path in staying:
+        elif row.path in staying and row.path not in keep:
             p = staying[row.path]
             decisions.append(Decision(row, Verdict.REFUSED, (), p.meaning, p.reason))
         elif row.path not in left:
