@@ -19,6 +19,7 @@ from propermodel.bondgraph.graph import (
     Structure,
 )
 from propermodel.bondgraph.net import Net
+from propermodel.bondgraph.nodes import Nodes
 from propermodel.bondgraph.removals import make_removals
 from propermodel.bondgraph.scope import Scope
 from propermodel.bondgraph.simplify import normalise
@@ -91,7 +92,7 @@ class _Flattening:
         self.elements: dict[Path, Element] = {}
         self.written: dict[Path, Junction] = {}
         self.port_domain: dict[Path, str] = {}
-        self.parent: dict[Path, Path] = {}
+        self.nodes = Nodes()
         self.node_source: dict[Path, Source] = {}
         self.links: list[tuple[Path, Expr, Source]] = []
         self.arrows: list[tuple[Path, Path, Source]] = []
@@ -168,7 +169,7 @@ class _Flattening:
             self.declared_signals[leaf] = (signal.direction, part.source)
         for port in definition.ports:
             self.port_domain[path / port.name] = port.domain
-            self.parent.setdefault(path / port.name, path / port.name)
+            self.nodes.add(path / port.name)
         return scope
 
     def behave(self, definition: Definition, path: Path, scope: Scope, group: Path | None, source: Source) -> None:
@@ -229,10 +230,10 @@ class _Flattening:
             case Node():
                 ports = [path + port for port in connection.ports]
                 for port in ports:
-                    self.parent.setdefault(port, port)
+                    self.nodes.add(port)
                 for port in ports[1:]:
-                    self.union(ports[0], port)
-                self.node_source.setdefault(self.find(ports[0]), connection.source)
+                    self.nodes.join(ports[0], port)
+                self.node_source.setdefault(self.nodes.find(ports[0]), connection.source)
             case HalfArrow():
                 self.arrows.append((path + connection.tail, path + connection.head, connection.source))
             case SignalLink():
@@ -276,21 +277,6 @@ class _Flattening:
                 )
             )
         self.signals[leaf] = value
-
-    def find(self, port: Path) -> Path:
-        """The representative of a node."""
-        parent = self.parent
-        while parent[port] != port:
-            parent[port] = parent[parent[port]]
-            port = parent[port]
-        return port
-
-    def union(self, a: Path, b: Path) -> None:
-        """Join two nodes; the port nearest the root names the node."""
-        a, b = self.find(a), self.find(b)
-        if a != b:
-            keep, gone = (a, b) if (len(a), a) <= (len(b), b) else (b, a)
-            self.parent[gone] = keep
 
     def check_ports(self, definition: Definition, path: Path) -> None:
         """Every port of a part is named by a connection of the component that has the part."""
@@ -356,8 +342,8 @@ class _Flattening:
         port = element / "port"
         self.scenario_ports.add(port)
         self.port_domain[port] = domain.name
-        self.parent[port] = port
-        self.union(path, port)
+        self.nodes.add(port)
+        self.nodes.join(path, port)
         self.element_ports.append((port, element, "port"))
 
     def input_table(self, path: Path, unit: str) -> Expr:
@@ -380,7 +366,7 @@ class _Flattening:
         def place(path: Path) -> End:
             if path in self.written:
                 return End(path)
-            node = self.find(path)
+            node = self.nodes.find(path)
             if node not in junctions:
                 shared = self.domains[self.port_domain[path]].shared
                 kind = JunctionKind.ONE if shared is Shared.FLOW else JunctionKind.ZERO
@@ -396,7 +382,10 @@ class _Flattening:
             # sense; otherwise it starts or ends at a node, and the element hangs there with its own sense.
             ends = [
                 End(*terminals[p])
-                if p in terminals and reached[p] == 1 and not self.has_others(p) and self.has_sense(*terminals[p], into)
+                if p in terminals
+                and reached[p] == 1
+                and not self.nodes.is_shared(p)
+                and self.has_sense(*terminals[p], into)
                 else place(p)
                 for p, into in ((tail, False), (head, True))
             ]
@@ -427,16 +416,6 @@ class _Flattening:
             return True
         return into is not (isinstance(behaviour, TwoPort) and port == "b")
 
-    def has_others(self, port: Path) -> bool:
-        """Whether a node holds more than this one port."""
-        if not hasattr(self, "_members"):
-            members: dict[Path, int] = {}
-            for path in list(self.parent):
-                root = self.find(path)
-                members[root] = members.get(root, 0) + 1
-            self._members = members
-        return self._members[self.find(port)] > 1
-
     def complete_domains(self, bonds: dict[Path, Bond]) -> None:
         """Bonds between written junctions take the domain of their neighbours."""
         unknown = [name for name, bond in bonds.items() if not bond.domain]
@@ -462,10 +441,13 @@ class _Flattening:
     def find_node_ports(self, structure: Structure) -> None:
         """Remember, for every port of a composite, the bonds on its inner side."""
         at = structure.at()
+        ports: dict[Path, list[tuple[Path, str]]] = {}
+        for port, domain in self.port_domain.items():
+            ports.setdefault(port.parent, []).append((port, domain))
         for path in self.composites:
             depth = len(path)
-            for port, domain in self._ports_of(path):
-                node = self.find(port)
+            for port, domain in ports.get(path, []):
+                node = self.nodes.find(port)
                 if node not in structure.junctions:
                     continue
                 inside = tuple(
@@ -476,14 +458,6 @@ class _Flattening:
                     and bond.name not in self.scenario_ports
                 )
                 self.node_ports[port] = NodePort(node, inside, domain)
-
-    def _ports_of(self, path: Path) -> list[tuple[Path, str]]:
-        if not hasattr(self, "_by_owner"):
-            by_owner: dict[Path, list[tuple[Path, str]]] = {}
-            for port, domain in self.port_domain.items():
-                by_owner.setdefault(port.parent, []).append((port, domain))
-            self._by_owner = by_owner
-        return self._by_owner.get(path, [])
 
     def define_inputs(self) -> None:
         """Root inputs become look-ups over time; any other undriven input is a fault."""

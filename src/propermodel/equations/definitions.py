@@ -12,6 +12,7 @@ from propermodel.equations.system import BlockKind
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol
 from propermodel.modelling.model import (
     ElementKind,
+    Freeze,
     JunctionKind,
     PowerSource,
     Resistive,
@@ -258,7 +259,7 @@ class _Recovery:
         self.variables = variables
         self.known: set[tuple[Path, Variable]] = set()
         self.pending: dict[Path, None] = {}
-        self.removed = {r.bond for r in graph.removals if hasattr(r, "bond")}  # pyright: ignore[reportAttributeAccessIssue]
+        self.removed = {r.bond for r in graph.removals if not isinstance(r, Freeze)}
 
     def touch(self, name: Path) -> None:
         """Look again at what a bond meets."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from propermodel.bondgraph.graph import Element
 from propermodel.causality.causal import CausalGraph
-from propermodel.diagnostics import Diagnostic, Involved, Path, StructureError
+from propermodel.diagnostics import Diagnostic, Involved, Path, Source, StructureError
 from propermodel.equations.condense import condense
 from propermodel.equations.definitions import Definitions, Variables, define
 from propermodel.equations.loops import Resolution, strong_components
@@ -121,7 +121,7 @@ def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVari
     return states, rates
 
 
-def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Expr, source: object) -> StateVariable:
+def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Expr, source: Source) -> StateVariable:
     return StateVariable(
         path=owner / coordinate.name,
         symbol=symbol(SymbolKind.STATE, owner / coordinate.name, coordinate.unit),
@@ -131,7 +131,7 @@ def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Exp
         low=coordinate.low,
         high=coordinate.high,
         derivative=derivative,
-        source=source,  # pyright: ignore[reportArgumentType]
+        source=source,
     )
 
 
