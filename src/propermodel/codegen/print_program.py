@@ -35,7 +35,7 @@ def print_program(
     lengths = program.layout.lengths
     shape = Shape(lanes)
     momenta = list(program.layout.momenta)
-    rest = [i for i in range(lengths.get(Array.STATE, 0)) if i not in set(momenta)]
+    rest = sorted(set(range(lengths.get(Array.STATE, 0))) - set(momenta))
     # Momenta come first, padded so that the other states begin at a wide operation.
     momentum_rows = len(momenta)
     while momentum_rows * lanes % WIDE:

@@ -1,42 +1,50 @@
-"""Divisions by what seldom changes become multiplications with a reciprocal that is computed as seldom.
+"""Divisions become multiplications with reciprocals where this saves time.
 
-A division takes as long as ten multiplications, and most divisors in models (masses, resistances, volumes) are
-parameters. The quotient may differ in its last bit.
+A division takes as long as several multiplications, and many divisors (masses, resistances, volumes) are parameters,
+or serve several times, or are known long before what they divide. The quotient may differ in its last bit.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 from propermodel.codegen.program import Assign, Function, Program, Solve
-from propermodel.codegen.schedule import Level, is_leaf, node_levels
-from propermodel.expressions.core import ONE, Expr, Op, constant, intern_node, postorder
+from propermodel.codegen.schedule import Level, is_leaf, node_levels, nodes_of
+from propermodel.expressions.core import ONE, Expr, Op, constant, intern_node
+
+# About how many cycles pass until a result is ready; everything else takes `_SHORT`.
+_LATENCIES = {
+    Op.DIVIDE: 13,
+    Op.SQUARE_ROOT: 18,
+    Op.LOOKUP: 15,
+    Op.EXPONENTIAL: 50,
+    Op.LOGARITHM: 50,
+    Op.SINE: 50,
+    Op.COSINE: 50,
+    Op.TANH: 60,
+    Op.ARCTANGENT: 70,
+    Op.POWER: 20,
+}
+_SHORT = 4
 
 
 def with_reciprocals(program: Program) -> Program:
     """The program with such divisions replaced."""
     functions = (program.rates, program.displacement_rates, program.observe, *program.samples)
-    levels = node_levels(functions, program.layout)
-    done: dict[Expr, Expr] = {}
+    done = _Rewriting(nodes_of(functions), node_levels(functions, program.layout)).done
 
-    def replaced(root: Expr) -> Expr:
-        if root not in done:
-            for node in postorder([root]):
-                if node not in done:
-                    done[node] = _replaced(node, tuple(done[arg] for arg in node.args), levels)
-        return done[root]
-
-    def of(function: Function) -> Function:
-        return replace(function, steps=tuple(_step(step) for step in function.steps))
-
-    def _step(step: Assign | Solve) -> Assign | Solve:
+    def replaced(step: Assign | Solve) -> Assign | Solve:
         if isinstance(step, Assign):
-            return replace(step, value=replaced(step.value))
+            return replace(step, value=done[step.value])
         return replace(
             step,
-            residuals=tuple(replaced(item) for item in step.residuals),
-            jacobian=tuple(tuple(replaced(entry) for entry in row) for row in step.jacobian),
+            residuals=tuple(done[item] for item in step.residuals),
+            jacobian=tuple(tuple(done[entry] for entry in row) for row in step.jacobian),
         )
+
+    def of(function: Function) -> Function:
+        return replace(function, steps=tuple(replaced(step) for step in function.steps))
 
     return replace(
         program,
@@ -47,10 +55,28 @@ def with_reciprocals(program: Program) -> Program:
     )
 
 
-def _replaced(node: Expr, args: tuple[Expr, ...], levels: dict[Expr, Level]) -> Expr:
-    if node.op is Op.DIVIDE and levels[node.args[0]] > levels[node.args[1]]:
+class _Rewriting:
+    def __init__(self, nodes: list[Expr], levels: dict[Expr, Level]) -> None:
+        self.done: dict[Expr, Expr] = {}
+        self._levels = levels
+        self._uses = Counter(node.args[1] for node in nodes if node.op is Op.DIVIDE)
+        self._ready: dict[Expr, int] = {}
+        for node in nodes:
+            begin = max((self._ready[arg] for arg in node.args), default=0)
+            self._ready[node] = begin + (0 if is_leaf(node) else _LATENCIES.get(node.op, _SHORT))
+            self.done[node] = self._replaced(node, tuple(self.done[arg] for arg in node.args))
+
+    def _replaced(self, node: Expr, args: tuple[Expr, ...]) -> Expr:
+        if node.op is not Op.DIVIDE or not self._is_better_multiplied(*node.args):
+            return node if is_leaf(node) or args == node.args else intern_node(node.op, args, node.data)
         divisor = args[1]
         if divisor.op is Op.CONSTANT:
             return intern_node(Op.MULTIPLY, (args[0], constant(1.0 / divisor.data[0])))
         return intern_node(Op.MULTIPLY, (args[0], intern_node(Op.DIVIDE, (ONE, divisor))))
-    return node if is_leaf(node) or args == node.args else intern_node(node.op, args, node.data)
+
+    def _is_better_multiplied(self, dividend: Expr, divisor: Expr) -> bool:
+        if dividend.op is Op.CONSTANT:
+            return False
+        if self._levels[dividend] != self._levels[divisor]:
+            return self._levels[dividend] > self._levels[divisor]
+        return self._uses[divisor] > 1 or self._ready[dividend] > self._ready[divisor]

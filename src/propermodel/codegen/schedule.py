@@ -167,58 +167,49 @@ def leaf_slot(layout: Layout, leaf: Expr) -> Slot:
 _LEVELS = {Array.PARAMETER: Level.RUN, Array.DISCRETE: Level.SAMPLE}
 
 
+def roots_of(function: Function) -> list[Expr]:
+    """The expressions whose values a function needs, in order."""
+    roots: list[Expr] = []
+    for step in function.steps:
+        if isinstance(step, Assign):
+            roots.append(step.value)
+        else:
+            roots += (*step.residuals, *(entry for row in step.jacobian for entry in row))
+    return roots
+
+
+def nodes_of(functions: Iterable[Function]) -> list[Expr]:
+    """Every node of some functions once, leaves included, arguments first."""
+    order = Order(lambda _: False)
+    found: dict[Expr, None] = {}
+    for root in (root for function in functions for root in roots_of(function)):
+        for node in (*order.new_below(root), root):
+            found.update((arg, None) for arg in node.args)
+            found[node] = None
+    return list(found)
+
+
 def node_levels(functions: Iterable[Function], layout: Layout) -> dict[Expr, Level]:
     """How often each node of some functions can change."""
     levels: dict[Expr, Level] = {}
-    order = Order(lambda _: False)
-
-    def leaf_level(leaf: Expr) -> Level:
-        if leaf.op is Op.CONSTANT or leaf in layout.table_index:
-            return Level.RUN
-        return _LEVELS.get(leaf_slot(layout, leaf).array, Level.STEP)
-
-    for function in functions:
-        for step in function.steps:
-            roots = (
-                (step.value,)
-                if isinstance(step, Assign)
-                else (*step.residuals, *(entry for row in step.jacobian for entry in row))
-            )
-            for root in roots:
-                for node in (*order.new_below(root), root):
-                    if node not in levels:
-                        for arg in node.args:
-                            if arg not in levels:
-                                levels[arg] = leaf_level(arg)
-                        levels[node] = max((levels[arg] for arg in node.args), default=Level.RUN)
-                        if is_leaf(node):
-                            levels[node] = leaf_level(node)
+    for node in nodes_of(functions):
+        if not is_leaf(node):
+            levels[node] = max(levels[arg] for arg in node.args)
+        elif node.op is Op.CONSTANT or node in layout.table_index:
+            levels[node] = Level.RUN
+        else:
+            levels[node] = _LEVELS.get(leaf_slot(layout, node).array, Level.STEP)
     return levels
 
 
 def frontier(functions: Iterable[Function], levels: dict[Expr, Level]) -> list[Expr]:
     """The computed nodes below `STEP` that are used by nodes at `STEP`, or stored: what is worth keeping."""
-    found: dict[Expr, None] = {}
-
-    def keep(node: Expr) -> None:
-        if not is_leaf(node) and levels[node] < Level.STEP:
-            found[node] = None
-
-    order = Order(lambda _: False)
-    for function in functions:
-        for step in function.steps:
-            roots = (
-                (step.value,)
-                if isinstance(step, Assign)
-                else (*step.residuals, *(entry for row in step.jacobian for entry in row))
-            )
-            for root in roots:
-                keep(root)
-                for node in order.new_below(root):
-                    if levels[node] is Level.STEP:
-                        for arg in node.args:
-                            keep(arg)
-    return list(found)
+    functions = list(functions)
+    used = dict.fromkeys(root for function in functions for root in roots_of(function))
+    for node in nodes_of(functions):
+        if levels[node] is Level.STEP:
+            used.update((arg, None) for arg in node.args)
+    return [node for node in used if not is_leaf(node) and levels[node] < Level.STEP]
 
 
 def whole_power(base: T, exponent: int, multiply: Callable[[T, T], T]) -> T:
