@@ -285,6 +285,18 @@ def test_every_question_about_an_unknown_observable_has_the_same_answer(rig, ask
         getattr(run(rig, 0.1), ask)("nothing")
 
 
+def test_cumulative_activity_and_work_are_columns(rig):
+    r = simulate(rig, scenario(0.5), record_every=0.1, integrals_every=0.1)
+    activity, work = r["mass.flange.activity"], r["mass.flange.work"]
+    assert r.unit("mass.flange.activity") == "J"
+    assert activity[0] == work[0] == 0.0
+    assert np.all(np.diff(activity) >= 0.0)
+    assert np.all(activity >= np.abs(work) - 1e-12)
+    assert activity[-1] == pytest.approx(r.activity(parse_path("mass.flange")))
+    # What flows into a mass is its kinetic energy.
+    assert work == pytest.approx(r["mass.energy"] - r["mass.energy"][0], rel=1e-3, abs=1e-6)
+
+
 def test_power_at_the_start_and_end_is_effort_times_flow(rig):
     r = run(rig, 0.5, inputs={"push": 4.0})
     assert r.at_end("mass.flange.power") == pytest.approx(r.at_end("mass.flange.effort") * r.at_end("mass.flange.flow"))

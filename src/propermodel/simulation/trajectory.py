@@ -93,7 +93,17 @@ class Trajectory:
         path = observable_path(observable)
         if path.name == "power" and path not in self.compiled.lowered.observables:
             return self[path.parent / "effort"] * self[path.parent / "flow"]
+        if path.name in ("activity", "work") and path not in self.compiled.lowered.observables:
+            return self._cumulative(path)
         return self.columns[:, self._column(path)]
+
+    def _cumulative(self, path: Path) -> FloatArray:
+        """The integral of power (`work`) or of its absolute value (`activity`) of a bond or row since the start, J.
+
+        Integrated at every step, kept at `integral_times`, linear in between.
+        """
+        kept = self.activities if path.name == "activity" else self.integrals
+        return np.interp(self.time, self.integral_times, kept[:, self.power_index(path.parent)])
 
     def _column(self, path: Path) -> int:
         column = self.recorded.get(self._observable(path).index)
@@ -125,6 +135,8 @@ class Trajectory:
         path = observable_path(observable)
         if path.name == "power":
             return "W"
+        if path.name in ("activity", "work") and path not in self.compiled.lowered.observables:
+            return "J"
         return self._observable(path).unit
 
     def at_start(self, observable: Expr | Path | str) -> float:
