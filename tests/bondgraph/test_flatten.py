@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from propermodel.bondgraph.flatten import flatten
+from propermodel.compiler import compile_model
 from propermodel.diagnostics import ModelError, parse_path
 from propermodel.modelling import (
     Component,
@@ -15,6 +18,8 @@ from propermodel.modelling import (
     Output,
     Parameter,
     Port,
+    Scenario,
+    Transformer,
     Translation,
     Updates,
     ZeroEffort,
@@ -30,6 +35,7 @@ from propermodel.modelling import (
     repeat,
 )
 from propermodel.modelling.model import ElementKind, JunctionKind
+from propermodel.simulation.simulate import simulate
 from tests.parts import Damper, Fixed, Force, Mass, Spring, SpringDamper
 from tests.points import Point, equations_of
 
@@ -326,3 +332,41 @@ def test_a_chain_of_two_thousand_elements_meets_no_recursion_limit():
     assert model == elaborate(LongTrain())
     assert hash(model.root) == hash(elaborate(LongTrain()).root)
     assert repr(model)
+
+
+class Isolator(Transformer):
+    """A transformer whose two ports are each between two flanges."""
+
+    a_left = Port(Translation)
+    a_right = Port(Translation)
+    b_left = Port(Translation)
+    b_right = Port(Translation)
+    a = Port(Translation, between=(a_left, a_right))
+    b = Port(Translation, between=(b_left, b_right))
+
+    def modulus(self) -> float:
+        return 2.0
+
+
+class Isolated(Component):
+    pushed = Mass(mass=1.0)
+    isolator = Isolator()
+    spring = Spring(stiffness=8.0)
+    wall = Fixed()
+
+    connections = (
+        connect(pushed.flange, isolator.a_left),
+        connect(isolator.a_right, isolator.b_right, spring.b, wall.flange),
+        connect(isolator.b_left, spring.a),
+    )
+
+
+def test_each_difference_of_a_two_port_has_its_own_junction():
+    graph = flatten(elaborate(Isolated()))
+    ends = {end.owner for bond in graph.normal.bonds.values() for end in (bond.tail, bond.head)}
+    assert {parse_path(name) for name in ("pushed", "isolator", "spring")} <= ends
+    run = simulate(
+        compile_model(elaborate(Isolated())), Scenario(stop=1.0, initial={"pushed.momentum": 1.0}), step=1e-4
+    )
+    # v_b = 2 v_a: the spring looks 2^2 times as stiff.
+    assert run.at_end("pushed.flange.flow") == pytest.approx(math.cos(math.sqrt(32.0)), abs=1e-3)

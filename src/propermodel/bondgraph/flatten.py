@@ -204,18 +204,19 @@ class _Flattening:
 
     def add_element(self, definition: Definition, path: Path, scope: Scope, group: Path | None, source: Source) -> None:
         """Add an element with its ports, and the junction of an element between two ports."""
-        outer = {name for port in definition.ports if port.between for name in port.between}
+        differences = [port for port in definition.ports if port.between]
+        outer = {name for port in differences for name in port.between or ()}
         ports = tuple(port.name for port in definition.ports if port.name not in outer)
         behaviour = scope.behaviour(definition.behaviour)
         kind = ElementKind.RESISTANCE if isinstance(behaviour, Resistive) else behaviour.kind
         self.elements[path] = Element(
             path=path, kind=kind, ports=ports, behaviour=behaviour, row=group or path, source=source
         )
-        for port in definition.ports:
+        for port in differences:
             if port.between:
                 shared = self.domains[port.domain].shared
                 kind = JunctionKind.ZERO if shared is Shared.FLOW else JunctionKind.ONE
-                middle = path / "difference"
+                middle = path / ("difference" if len(differences) == 1 else f"{port.name}_difference")
                 self.written[middle] = Junction(path=middle, kind=kind, source=source)
                 self.arrows.append((path / port.between[0], middle, source))
                 self.arrows.append((middle, path / port.between[1], source))
