@@ -21,6 +21,7 @@ class EnergyBalance:
 
     supplied: float  # work of all sources, counted into the system
     throughput: float  # sum over sources of the integral of |power|
+    exchanged: float  # sum over storage of the integral of |power|
     stored: float
     dissipated: float
     wiring_residual: float
@@ -33,14 +34,15 @@ class EnergyBalance:
 
     @property
     def relative_residual(self) -> float:
-        """The integration residual as a share of the work that passed through the sources and stores."""
-        scale = max(self.throughput, abs(self.stored), abs(self.dissipated))
+        """The integration residual as a share of the source work, without sources of what storage exchanged."""
+        scale = max(self.throughput or self.exchanged, abs(self.stored), abs(self.dissipated))
         return abs(self.integration_residual) / scale if scale else 0.0
 
     def __str__(self) -> str:
+        scale = "the source work" if self.throughput else "what storage exchanged"
         return (
             f"energy balance: sources {self.supplied:.6g} J = stored {self.stored:.6g} J + dissipated "
-            f"{self.dissipated:.6g} J; residual {self.relative_residual:.2e} of the source work, "
+            f"{self.dissipated:.6g} J; residual {self.relative_residual:.2e} of {scale}, "
             f"wiring {abs(self.wiring_residual):.2e} J"
         )
 
@@ -49,7 +51,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     """The energy balance of a run; constant replacements and cuts count as sources."""
     graph = trajectory.compiled.graph
     at = graph.normal.at()
-    supplied = throughput = dissipated = wiring = 0.0
+    supplied = throughput = exchanged = dissipated = wiring = 0.0
     sources: list[tuple[Path, float]] = []
     for element in graph.normal.elements.values():
         inward = sum(
@@ -62,6 +64,8 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
             supplied -= inward
             throughput += sum(trajectory.activity(bond.name) for bond in at[element.path])
             sources.append((element.path, -inward))
+        elif element.kind in (ElementKind.COMPLIANCE, ElementKind.INERTIA):
+            exchanged += sum(trajectory.activity(bond.name) for bond in at[element.path])
     stored = sum(
         trajectory.at_end(item.element / "energy") - trajectory.at_start(item.element / "energy")
         for item in trajectory.compiled.system.energies
@@ -69,6 +73,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     return EnergyBalance(
         supplied=supplied,
         throughput=throughput,
+        exchanged=exchanged,
         stored=stored,
         dissipated=dissipated,
         wiring_residual=wiring,
