@@ -1,6 +1,34 @@
 """Signal processing and sampled controllers; signals carry no power and no unit of their own (`1`) unless said."""
 
-from propermodel.library.control.components import FirstOrder, Gain, Integrator, Limiter, Mean, RateLimiter
-from propermodel.library.control.controllers import SampledPID
+from propermodel.library.control.components import (
+    PID,
+    DeadZone,
+    FirstOrder,
+    Gain,
+    Integrator,
+    Limiter,
+    Mean,
+    RateLimiter,
+    SecondOrder,
+)
+from propermodel.library.control.controllers import SampledPID, SampleHold
+from propermodel.library.control.sources import Constant, Ramp, Sine, SquareWave, Step
 
-__all__ = ["FirstOrder", "Gain", "Integrator", "Limiter", "Mean", "RateLimiter", "SampledPID"]
+__all__ = [
+    "PID",
+    "Constant",
+    "DeadZone",
+    "FirstOrder",
+    "Gain",
+    "Integrator",
+    "Limiter",
+    "Mean",
+    "Ramp",
+    "RateLimiter",
+    "SampleHold",
+    "SampledPID",
+    "SecondOrder",
+    "Sine",
+    "SquareWave",
+    "Step",
+]

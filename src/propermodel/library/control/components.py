@@ -86,3 +86,64 @@ class RateLimiter(SignalBlock):
 
     def derivatives(self) -> dict[Expr, ExprLike]:
         return {self.followed: clip((self.signal - self.followed) / self.lag, -self.rate, self.rate)}
+
+
+class SecondOrder(SignalBlock):
+    """A second-order lag: y'' + 2 zeta w y' + w^2 y = w^2 u."""
+
+    signal = Input("1")
+    result = Output("1")
+    natural_frequency: Parameter = parameter("rad/s", low=0.0)
+    damping_ratio: Parameter = parameter("1", default=0.7, low=0.0)
+    value = State("1")
+    rate = State("1/s")
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.result: self.value}
+
+    def derivatives(self) -> dict[Expr, ExprLike]:
+        w = self.natural_frequency
+        return {
+            self.value: self.rate,
+            self.rate: w * w * (self.signal - self.value) - 2.0 * self.damping_ratio * w * self.rate,
+        }
+
+
+class PID(SignalBlock):
+    """A continuous PID controller: u = k e + k_i integral(e) - k_d dy/dt, the derivative filtered.
+
+    The derivative acts on the measurement (Åström and Murray, Feedback Systems, ch. 10).
+    """
+
+    setpoint = Input("1")
+    measurement = Input("1")
+    command = Output("1")
+    proportional_gain: Parameter = parameter("1", default=1.0)
+    integral_gain: Parameter = parameter("1/s", default=0.0)
+    derivative_gain: Parameter = parameter("s", default=0.0)
+    filter_time: Parameter = parameter("s", default=0.01, low=0.0, doc="lag of the derivative")
+    integral = State("1")
+    lagged = State("1")
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        change = (self.measurement - self.lagged) / self.filter_time
+        proportional = self.proportional_gain * (self.setpoint - self.measurement)
+        return {self.command: proportional + self.integral - self.derivative_gain * change}
+
+    def derivatives(self) -> dict[Expr, ExprLike]:
+        return {
+            self.integral: self.integral_gain * (self.setpoint - self.measurement),
+            self.lagged: (self.measurement - self.lagged) / self.filter_time,
+        }
+
+
+class DeadZone(SignalBlock):
+    """What a signal exceeds a zone around zero by."""
+
+    signal = Input("1")
+    result = Output("1")
+    low: Parameter = parameter("1", default=-1.0)
+    high: Parameter = parameter("1", default=1.0)
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.result: self.signal - clip(self.signal, self.low, self.high)}

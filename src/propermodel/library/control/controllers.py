@@ -36,3 +36,13 @@ class SampledPID(Controller):
             self.integral: where(may_grow, grown, self.integral),
             self.last_measurement: self.measurement,
         }
+
+
+class SampleHold(Controller):
+    """A signal read once a period and held in between."""
+
+    signal = Input("1")
+    result = Output("1")
+
+    def step(self) -> dict[Expr, ExprLike]:
+        return {self.result: self.signal}

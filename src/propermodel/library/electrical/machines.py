@@ -1,17 +1,26 @@
-"""A direct-current motor."""
+"""A direct-current motor, a voice coil and an operational amplifier."""
 
 from __future__ import annotations
 
-from propermodel.expressions import Expr
+import math
+
+from propermodel.expressions import Expr, ExprLike
 from propermodel.library.electrical.components import Inductor, Resistor
+from propermodel.library.electrical.sensors import VoltageSensor
+from propermodel.library.electrical.sources import VoltageSource
 from propermodel.library.mechanics.rotation.components import RotatingInertia, ViscousFriction
 from propermodel.modelling import (
     Component,
     Electrical,
     Gyrator,
+    Input,
+    Output,
     Parameter,
     Port,
     Rotation,
+    SignalBlock,
+    State,
+    Translation,
     connect,
     parameter,
 )
@@ -50,4 +59,60 @@ class DCMotor(Component):
         connect(winding.b, coil.a),
         connect(coil.b, conversion.a),
         connect(conversion.b, rotor.shaft, bearing.shaft, shaft),
+    )
+
+
+class VoiceCoil(Gyrator):
+    """A coil in the field of a magnet: force B l i, voltage B l v."""
+
+    pin_a = Port(Electrical)
+    pin_b = Port(Electrical)
+    a = Port(Electrical, between=(pin_a, pin_b))
+    b = Port(Translation)
+    constant: Parameter = parameter("N/A", low=0.0, doc="flux density times length of wire")
+
+    def modulus(self) -> Expr:
+        return self.constant
+
+
+class OnePoleGain(SignalBlock):
+    """An open-loop gain with a single pole: dv/dt = 2 pi f_t (difference - v / gain)."""
+
+    difference = Input("V")
+    voltage = Output("V")
+    gain: Parameter = parameter("1", low=0.0)
+    transit_frequency: Parameter = parameter("Hz", low=0.0)
+    amplified = State("V")
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.voltage: self.amplified}
+
+    def derivatives(self) -> dict[Expr, ExprLike]:
+        rate = 2.0 * math.pi * self.transit_frequency
+        return {self.amplified: rate * (self.difference - self.amplified / self.gain)}
+
+
+class OperationalAmplifier(Component):
+    """An amplifier of high gain and one pole; it takes no current at its inputs and feeds its output from a supply.
+
+    Its bonds are activated ones: two sensors that take no power and a source that they control.
+    """
+
+    plus = Port(Electrical)
+    minus = Port(Electrical)
+    output = Port(Electrical)
+    gain: Parameter = parameter("1", default=1e5, low=0.0)
+    transit_frequency: Parameter = parameter("Hz", default=1e6, low=0.0, doc="where the open-loop gain is one")
+
+    feel_plus = VoltageSensor()
+    feel_minus = VoltageSensor()
+    amplifier = OnePoleGain(gain=gain, transit_frequency=transit_frequency)
+    supply = VoltageSource()
+
+    connections = (
+        connect(plus, feel_plus.pin),
+        connect(minus, feel_minus.pin),
+        connect(supply.pin, output),
+        connect(feel_plus.voltage - feel_minus.voltage, amplifier.difference),
+        connect(amplifier.voltage, supply.voltage),
     )

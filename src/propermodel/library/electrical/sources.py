@@ -25,6 +25,18 @@ class VoltageSource(EffortSource):
         return self.voltage
 
 
+class FloatingVoltageSource(EffortSource):
+    """A prescribed voltage of `a` above `b`, with neither on ground."""
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    voltage = Input("V")
+
+    def effort(self) -> Expr:
+        return self.voltage
+
+
 class CurrentSource(FlowSource):
     """A prescribed current into whatever is connected."""
 

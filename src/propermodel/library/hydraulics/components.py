@@ -1,4 +1,4 @@
-"""Lines, orifices, chambers and gas-charged vessels."""
+"""Lines, orifices, valves, chambers, tanks and gas-charged vessels."""
 
 from __future__ import annotations
 

@@ -4,14 +4,25 @@ Sign convention: the effort is temperature above ambient, the flow is the entrop
 is positive into it and counts what heat could still do against ambient. Ambient is the zero of effort.
 """
 
-from propermodel.library.thermal.components import HeatCapacity, WallConductance
+from propermodel.library.thermal.components import (
+    Conduction,
+    Convection,
+    HeatCapacity,
+    HeatingResistor,
+    Radiation,
+    WallConductance,
+)
 from propermodel.library.thermal.sensors import TemperatureSensor
 from propermodel.library.thermal.sources import Ambient, HeatSource, TemperatureSource
 
 __all__ = [
     "Ambient",
+    "Conduction",
+    "Convection",
     "HeatCapacity",
     "HeatSource",
+    "HeatingResistor",
+    "Radiation",
     "TemperatureSensor",
     "TemperatureSource",
     "WallConductance",

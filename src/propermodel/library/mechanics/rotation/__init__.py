@@ -7,17 +7,22 @@ velocity of `a` less that of `b`. A gear takes power in at `a` and gives it out 
 
 from propermodel.library.mechanics.rotation.components import (
     CoulombFriction,
+    GravityPendulum,
     RotatingInertia,
     RotationalDamper,
     RotationalSpringDamper,
+    SlippingClutch,
+    StribeckFriction,
     TorsionSpring,
     ViscousFriction,
 )
 from propermodel.library.mechanics.rotation.machines import (
+    BeltDrive,
     Differential,
     Gear,
     LossyGear,
     ModulatedGear,
+    PlanetaryGear,
     RollingWheel,
     TorqueDrivenLoss,
     TorqueGivenLoss,
@@ -27,18 +32,23 @@ from propermodel.library.mechanics.rotation.sensors import RotationSensor, Torqu
 from propermodel.library.mechanics.rotation.sources import FixedShaft, SpeedSource, TorqueSource
 
 __all__ = [
+    "BeltDrive",
     "CoulombFriction",
     "Differential",
     "FixedShaft",
     "Gear",
+    "GravityPendulum",
     "LossyGear",
     "ModulatedGear",
+    "PlanetaryGear",
     "RollingWheel",
     "RotatingInertia",
     "RotationSensor",
     "RotationalDamper",
     "RotationalSpringDamper",
+    "SlippingClutch",
     "SpeedSource",
+    "StribeckFriction",
     "TorqueDrivenLoss",
     "TorqueGivenLoss",
     "TorqueSensor",

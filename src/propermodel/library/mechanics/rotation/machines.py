@@ -7,6 +7,7 @@ of the torque passed, so the output torque is the ideal torque times e, whicheve
 from __future__ import annotations
 
 from propermodel.expressions import Expr, ExprLike, minimum, where
+from propermodel.library.mechanics.translation.components import SpringDamper
 from propermodel.modelling import (
     Component,
     Input,
@@ -146,3 +147,49 @@ class RollingWheel(Transformer):
 
     def modulus(self) -> Expr:
         return self.radius
+
+
+class PlanetaryGear(Component):
+    """An ideal planetary gear: w_carrier (1 + ratio) = w_sun + ratio w_ring.
+
+    The `ratio` is the teeth of the ring over those of the sun (Willis' equation).
+    """
+
+    sun = Port(Rotation)
+    carrier = Port(Rotation)
+    ring = Port(Rotation)
+    ratio: Parameter = parameter("1", low=1.0)
+
+    of_sun = Gear(ratio=1.0 + ratio)
+    of_ring = Gear(ratio=(1.0 + ratio) / ratio)
+    total = ZeroJunction()
+
+    connections = (
+        connect(sun, of_sun.a),
+        connect(ring, of_ring.a),
+        bond(of_sun.b, total),
+        bond(of_ring.b, total),
+        bond(total, carrier),
+    )
+
+
+class BeltDrive(Component):
+    """Two pulleys and a belt that stretches and does not slip."""
+
+    a = Port(Rotation)
+    b = Port(Rotation)
+    radius_a: Parameter = parameter("m", low=0.0)
+    radius_b: Parameter = parameter("m", low=0.0)
+    stiffness: Parameter = parameter("N/m", low=0.0, doc="of both strands together")
+    damping: Parameter = parameter("N.s/m", low=0.0)
+
+    pulley_a = RollingWheel(radius=radius_a)
+    pulley_b = RollingWheel(radius=radius_b)
+    belt = SpringDamper(stiffness=stiffness, damping=damping)
+
+    connections = (
+        connect(a, pulley_a.a),
+        connect(pulley_a.b, belt.a),
+        connect(belt.b, pulley_b.b),
+        connect(pulley_b.a, b),
+    )

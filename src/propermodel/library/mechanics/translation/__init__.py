@@ -9,8 +9,10 @@ compression.
 from propermodel.library.mechanics.translation.components import (
     Damper,
     DegressiveDamper,
+    ElasticStop,
     Friction,
     GasSpring,
+    HardeningSpring,
     Lever,
     Mass,
     Projection,
@@ -19,16 +21,18 @@ from propermodel.library.mechanics.translation.components import (
     SpringDamper,
 )
 from propermodel.library.mechanics.translation.sensors import ForceSensor, MotionSensor
-from propermodel.library.mechanics.translation.sources import Fixed, ForceSource, VelocitySource
+from propermodel.library.mechanics.translation.sources import Fixed, ForceSource, VelocitySource, Weight
 
 __all__ = [
     "Damper",
     "DegressiveDamper",
+    "ElasticStop",
     "Fixed",
     "ForceSensor",
     "ForceSource",
     "Friction",
     "GasSpring",
+    "HardeningSpring",
     "Lever",
     "Mass",
     "MotionSensor",
@@ -37,4 +41,5 @@ __all__ = [
     "Spring",
     "SpringDamper",
     "VelocitySource",
+    "Weight",
 ]

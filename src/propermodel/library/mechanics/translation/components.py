@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from propermodel.expressions import Expr, ExprLike, log, tanh, where
+from propermodel.expressions import Expr, ExprLike, log, maximum, tanh, where
 from propermodel.modelling import (
     Compliance,
     Component,
@@ -54,6 +54,47 @@ class Spring(Compliance):
     def start(self) -> Expr:
         """The compression at the start."""
         return self.start_compression
+
+
+class HardeningSpring(Compliance):
+    """A spring that grows stiffer, F = k x + k_3 x^3 (Duffing)."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    port = Port(Translation, between=(a, b))
+    stiffness: Parameter = parameter("N/m")
+    cubic_stiffness: Parameter = parameter("N/m3", low=0.0)
+    start_compression: Parameter = parameter("m", default=0.0)
+
+    def effort(self, displacement: Expr) -> Expr:
+        return self.stiffness * displacement + self.cubic_stiffness * displacement**3.0
+
+    def energy(self, displacement: Expr) -> Expr:
+        """The integral of force over compression."""
+        square = displacement * displacement
+        return 0.5 * self.stiffness * square + 0.25 * self.cubic_stiffness * square * square
+
+    def start(self) -> Expr:
+        """The compression at the start."""
+        return self.start_compression
+
+
+class ElasticStop(Compliance):
+    """A spring that touches only after a gap has closed."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    port = Port(Translation, between=(a, b))
+    stiffness: Parameter = parameter("N/m", low=0.0)
+    gap: Parameter = parameter("m", default=0.0, doc="at the start")
+
+    def effort(self, displacement: Expr) -> Expr:
+        return self.stiffness * maximum(displacement - self.gap, 0.0)
+
+    def energy(self, displacement: Expr) -> Expr:
+        """Nothing before it touches."""
+        pressed = maximum(displacement - self.gap, 0.0)
+        return 0.5 * self.stiffness * pressed * pressed
 
 
 class Damper(Resistance):

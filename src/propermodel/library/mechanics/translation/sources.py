@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from propermodel.expressions import Expr, ExprLike
-from propermodel.modelling import EffortSource, FlowSource, Input, Port, Translation
+from propermodel.modelling import EffortSource, FlowSource, Input, Parameter, Port, Translation, parameter
 
 
 class Fixed(FlowSource):
@@ -33,3 +33,14 @@ class VelocitySource(FlowSource):
 
     def flow(self) -> Expr:
         return self.velocity
+
+
+class Weight(EffortSource):
+    """The weight of a mass whose positive direction is upward."""
+
+    flange = Port(Translation)
+    mass: Parameter = parameter("kg", low=0.0)
+    gravity: Parameter = parameter("m/s2", default=9.80665, source="standard gravity", status="published")
+
+    def effort(self) -> Expr:
+        return self.mass * self.gravity
