@@ -15,7 +15,7 @@ PYTHON ?= python3
 BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/installed
-SOURCES := src tests $(wildcard benchmarks)
+SOURCES := src tests $(wildcard benchmarks examples)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup check test demo bench clean

@@ -16,6 +16,7 @@ from propermodel.cli.faults import CommandError
 from propermodel.compiler import Method
 from propermodel.diagnostics import Diagnostic, Path, ProperModelError, Source, nearest, parse_path, portable_file
 from propermodel.modelling import Component, Model, Scenario, elaborate
+from propermodel.modelling.components import Repeated
 from propermodel.report.panels import Panel, Series
 
 
@@ -151,6 +152,10 @@ def load_subject(text: str, scenario: str | None = None) -> Subject:
         return Subject(name=model.name, model=model, scenario=_scenario(scenario, {}, module))
     if text.endswith(".py"):
         module = import_file(text)
+        systems = _systems(module)
+        if len(systems) == 1:
+            model = _as_model(getattr(module, systems[0]), text)
+            return Subject(name=model.name, model=model, scenario=_scenario(scenario, {}, module))
         raise CommandError.of(
             "command/model",
             f"'{text}' is a file of components: say which one is the model",
@@ -268,6 +273,18 @@ def _components(module: ModuleType) -> list[str]:
         for name, value in vars(module).items()
         if isinstance(value, type) and issubclass(value, Component) and value.__module__ == module.__name__
     ]
+
+
+def _systems(module: ModuleType) -> list[str]:
+    """The components of a module that are wired of parts and are no part of another component there."""
+    members: dict[str, type[Component]] = {name: getattr(module, name) for name in _components(module)}
+    parts = {
+        type(part)
+        for member in members.values()
+        for declared in member.declarations.values()
+        for part in (declared if isinstance(declared, Repeated) else (declared,))
+    }
+    return [name for name, member in members.items() if member.connections and member not in parts]
 
 
 def _scenarios(module: ModuleType) -> list[str]:

@@ -28,7 +28,9 @@ class MethodName(StrEnum):
 ModelText = Annotated[
     str,
     typer.Argument(
-        metavar="MODEL", help="A name of the library (truck, half-car), file.py:Class, or the JSON document of a model."
+        metavar="MODEL",
+        help="A name of the library (truck, half-car), file.py:Class (file.py alone where it holds one system), or the "
+        "JSON document of a model.",
     ),
 ]
 ScenarioText = Annotated[
