@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.balance import EnergyBalance, energy_balance
     from propermodel.analysis.comparison import Comparison, compare
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
+    from propermodel.equations.readable import ReadableEquations, state_equations
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
@@ -106,6 +107,7 @@ _WHEN_USED = {
     "CompiledModel": "compiler",
     "EnergyBalance": "analysis.balance",
     "Method": "compiler",
+    "ReadableEquations": "equations.readable",
     "Reduction": "reduction.plan",
     "ReductionStudy": "report.study",
     "StudyOptions": "report.study",
@@ -121,6 +123,7 @@ _WHEN_USED = {
     "run_study": "report.study",
     "save_trajectory": "simulation.storage",
     "simulate": "simulation.simulate",
+    "state_equations": "equations.readable",
     "write_model": "modelling.documents",
     "write_scenario": "modelling.documents",
 }
@@ -209,6 +212,8 @@ __all__ = [
     "CompiledModel",
     "Backend",
     "Method",
+    "state_equations",
+    "ReadableEquations",
     "simulate",
     "Trajectory",
     "save_trajectory",

@@ -152,7 +152,12 @@ def test_show_tells_where_values_come_from():
 def test_show_tells_causality_and_equations():
     printed = succeed("show", MODEL, "--causality", "--equations")
     assert "integral causality preferred" in printed
-    assert "d/dt body.momentum" in printed
+    assert "  body_mass*body.velocity' = suspension.stiffness*suspension.spring.displacement\n" in printed
+
+
+def test_show_writes_equations_for_documents():
+    assert r"\begin{align*}" in succeed("show", MODEL, "--equations", "--format", "latex")
+    assert "| `body.velocity` | m/s | state |" in succeed("show", MODEL, "--equations", "--format", "markdown")
 
 
 def test_check_of_a_sound_model():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -17,11 +18,20 @@ if TYPE_CHECKING:
     from propermodel.modelling import Model
 
 
+class EquationFormat(StrEnum):
+    """How equations are printed."""
+
+    TEXT = "text"
+    MARKDOWN = "markdown"
+    LATEX = "latex"
+
+
 def show(
     model: ModelText,
     tree: Annotated[bool, typer.Option("--tree", help="Parts inside parts.")] = False,
     causality: Annotated[bool, typer.Option("--causality", help="The causal stroke of every bond, and why.")] = False,
-    equations: Annotated[bool, typer.Option("--equations", help="The equations, sorted.")] = False,
+    equations: Annotated[bool, typer.Option("--equations", help="The state equations with physical names.")] = False,
+    format: Annotated[EquationFormat, typer.Option("--format", help="Of the equations.")] = EquationFormat.TEXT,
     parameters: Annotated[bool, typer.Option("--parameters", help="Values, units, and where they are from.")] = False,
     settings: SetOption = None,
 ) -> None:
@@ -29,6 +39,7 @@ def show(
     from propermodel.cli.models import load_subject
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
+    from propermodel.equations.readable import state_equations
 
     subject = load_subject(model)
     screen = Screen()
@@ -40,7 +51,13 @@ def show(
     if causality:
         screen.print(_causality(compiled))
     if equations:
-        screen.print(str(compiled.system))
+        readable = state_equations(compiled)
+        written = {
+            EquationFormat.TEXT: readable.text,
+            EquationFormat.MARKDOWN: readable.markdown,
+            EquationFormat.LATEX: readable.latex,
+        }
+        typer.echo(written[format]().rstrip("\n"))
     if parameters:
         screen.print(_parameters(compiled, subject, settings or []))
 

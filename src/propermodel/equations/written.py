@@ -1,0 +1,133 @@
+"""Readable equations as text, Markdown and LaTeX."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from propermodel.equations.notation import LATEX, TEXT, Notation, latex_names
+from propermodel.expressions.core import ONE, Expr, SymbolKind
+
+if TYPE_CHECKING:
+    from propermodel.equations.readable import ReadableEquations
+
+WIDTH = 100
+FEW = 8  # as many states need no headings
+_KINDS = {
+    SymbolKind.PARAMETER: "parameter",
+    SymbolKind.TABLE: "table",
+    SymbolKind.DISCRETE: "held value",
+    SymbolKind.TIME: "time",
+    SymbolKind.STATE: "state",
+}
+
+Line = tuple[str, str]  # left, right
+
+
+def text_of(equations: ReadableEquations) -> str:
+    """The equations as plain text within `WIDTH` columns where names allow it."""
+    names = {leaf: str(name) for leaf, name in equations.names.items()}
+    count = len(equations.states)
+    lines = [f"{equations.title}: {count} state{'' if count == 1 else 's'}"]
+    if equations.inputs:
+        lines.append("inputs: " + ", ".join(_with_unit(names[leaf], leaf.data.unit) for leaf in equations.inputs))
+    grouped = count > FEW and len({state.group for state in equations.states}) > 1
+    rows = _state_lines(equations, TEXT, names)
+    group = None
+    width = max((len(left) for left, _ in rows), default=0)
+    for state, row in zip(equations.states, rows, strict=True):
+        if grouped and state.group != group:
+            group = state.group
+            lines += ["", f"{group or equations.title}:"]
+        lines += _wrapped(row, width)
+    for heading, further in _further(equations, TEXT, names):
+        lines += ["", heading]
+        lines += [text for row in further for text in _wrapped(row, max(len(left) for left, _ in further))]
+    return "\n".join(lines)
+
+
+def markdown_of(equations: ReadableEquations) -> str:
+    """The equations as Markdown."""
+    names = latex_names(equations.names)
+    parts = [f"## {equations.title}", ""]
+    parts += [f"$${left} = {right}$$\n" for left, right in _state_lines(equations, LATEX, names)]
+    for heading, further in _further(equations, LATEX, names):
+        parts += [f"{heading.capitalize()}\n", *(f"$${left} = {right}$$\n" for left, right in further)]
+    parts += ["| symbol | name | unit | kind |", "| --- | --- | --- | --- |"]
+    given = set(equations.inputs)
+    shown = {state.symbol for state in equations.states}
+    for leaf, name in equations.names.items():
+        kind = "input" if leaf in given else "state" if leaf in shown else _KINDS.get(leaf.data.kind, "variable")
+        parts.append(f"| ${names[leaf]}$ | `{name}` | {leaf.data.unit or '1'} | {kind} |")
+    return "\n".join(parts) + "\n"
+
+
+def latex_of(equations: ReadableEquations) -> str:
+    """The equations as LaTeX."""
+    names = latex_names(equations.names)
+    parts = _aligned(_state_lines(equations, LATEX, names))
+    for heading, further in _further(equations, LATEX, names):
+        parts += [heading, *_aligned(further)]
+    return "\n".join(parts) + "\n"
+
+
+def _aligned(rows: list[Line]) -> list[str]:
+    if not rows:
+        return []
+    inner = [f"  {left} &= {right}" for left, right in rows]
+    return [r"\begin{align*}", " \\\\\n".join(inner), r"\end{align*}"]
+
+
+def _state_lines(equations: ReadableEquations, notation: Notation, names: Mapping[Expr, str]) -> list[Line]:
+    lines: list[Line] = []
+    times = "*" if notation is TEXT else r" \, "
+    for state in equations.states:
+        rate = notation.rate(names[state.symbol])
+        left = rate if state.coefficient is ONE else f"{notation.factor(state.coefficient, names)}{times}{rate}"
+        lines.append((left, notation.formula(state.right, names)))
+    return lines
+
+
+def _further(
+    equations: ReadableEquations, notation: Notation, names: Mapping[Expr, str]
+) -> Iterable[tuple[str, list[Line]]]:
+    """What the state equations mention, under headings."""
+    for block in equations.blocks:
+        unknowns = ", ".join(str(equations.names[unknown]) for unknown in block.unknowns)
+        yield f"solved together for {unknowns}:", [("0", notation.formula(r, names)) for r in block.residuals]
+    if equations.definitions:
+        yield "where:", [(names[d.symbol], notation.formula(d.value, names)) for d in equations.definitions]
+    for update in equations.updates:
+        rows = [(names[held], notation.formula(value, names)) for held, value in update.values]
+        yield f"at every run of {update.controller}:", rows
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def _wrapped(row: Line, width: int) -> list[str]:
+    """An equation, broken before the plus and minus signs between its terms where it is longer than the page."""
+    left, right = row
+    head = f"  {left:<{width}} = "
+    if len(head) + len(right) > WIDTH:
+        head = f"  {left} = "
+    indent = " " * min(len(head), 8)
+    lines = [head]
+    for term in _terms(right):
+        if len(lines[-1]) + len(term) > WIDTH and lines[-1] != head:
+            lines.append(indent)
+        lines[-1] += term + " "
+    return [line.rstrip() for line in lines]
+
+
+def _terms(formula: str) -> list[str]:
+    """A formula cut before every sign that stands in no bracket."""
+    depth = begin = 0
+    found: list[str] = []
+    for place, sign in enumerate(formula):
+        depth += (sign in "([") - (sign in ")]")
+        if depth == 0 and formula[place : place + 3] in (" + ", " - "):
+            found.append(formula[begin:place])
+            begin = place + 1
+    return [*found, formula[begin:]]
