@@ -1,8 +1,8 @@
 """A direct-current motor starts under a load.
 
-Voltage and current become torque and speed in a gyrator, because torque answers to current and voltage to speed, both
-by one constant. What is an inductor on the electrical side acts on the shaft like a spring, what is an inertia on the
-shaft looks to the supply like a capacitor: a gyrator exchanges effort and flow.
+Voltage and current become torque and speed in a gyrator, because torque answers to current and voltage to speed,
+both by one constant. What is an inductor on the electrical side acts on the shaft like a spring, what is an inertia
+on the shaft looks to the supply like a capacitor: a gyrator exchanges effort and flow.
 """
 
 import propermodel as pm

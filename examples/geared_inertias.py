@@ -1,8 +1,8 @@
 """A torque turns two inertias that a rigid gear ties together.
 
-Only one of them can be free: the speed of the other is that of the first over the ratio. In the bond graph the second
-I element receives its flow and answers with an effort: derivative causality, dependent storage. The program merges it
-into the first, J = J_1 + J_2 / ratio^2, and says so; nobody has to add a made-up compliance.
+Only one of them can be free: the speed of the other is that of the first over the ratio. In the bond graph the
+second I element receives its flow and answers with an effort: derivative causality, dependent storage. The program
+merges it into the first, J = J_1 + J_2 / ratio^2, and says so; nobody has to add a made-up compliance.
 """
 
 import propermodel as pm

@@ -1,8 +1,8 @@
 """Capacitors joined by gyrators behave like a chain of capacitors and inductors.
 
-Seen through a gyrator, a C is an I: three gyrators make the second and fourth of these four storages the duals of the
-others, so a ladder that needs no coil carries waves (Tellegen 1948; filters without coils are built so). All four
-storages are independent: each gets integral causality, and the strokes alternate along the chain.
+Seen through a gyrator, a C is an I: three gyrators make the second and fourth of these four storages the duals of
+the others, so a ladder that needs no coil carries waves (Tellegen 1948; filters without coils are built so). All
+four storages are independent: each gets integral causality, and the strokes alternate along the chain.
 """
 
 import propermodel as pm

@@ -1,8 +1,8 @@
 """A pendulum in its angle swings far out.
 
-In the angle a pendulum is two elements on one 1-junction: the inertia I of the body about its axis and a compliance C
-that is its weight, with the torque m g l sin(angle). The law is not linear, so the period grows with the swing: at 120
-degrees it is 1.373 times that of a small one.
+In the angle a pendulum is two elements on one 1-junction: the inertia I of the body about its axis and a compliance
+C that is its weight, with the torque m g l sin(angle). The law is not linear, so the period grows with the swing:
+at 120 degrees it is 1.373 times that of a small one.
 """
 
 import math

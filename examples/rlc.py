@@ -1,8 +1,8 @@
 """A resistor, an inductor and a capacitor in series, on a voltage that is switched on.
 
-One current flows through all of them, so in the bond graph they hang on one 1-junction: Se, R, I and C, the shortest
-graph that oscillates. The inductor keeps flux, the capacitor keeps charge; energy swings between the two and the
-resistor takes some of it each time.
+One current flows through all of them, so in the bond graph they hang on one 1-junction: Se, R, I and C, the
+shortest graph that oscillates. The inductor keeps flux, the capacitor keeps charge; energy swings between the two
+and the resistor takes some of it each time.
 """
 
 import propermodel as pm

@@ -1,8 +1,8 @@
 """Two open tanks level out through a pipe, and one of them drains.
 
-A tank is a compliance: the more volume, the more pressure at its bottom. An orifice is a resistance whose pressure drop
-grows with the square of the flow. With a 0-junction for every tank and a 1-junction for every orifice the bond graph
-repeats the drawing of the plant.
+A tank is a compliance: the more volume, the more pressure at its bottom. An orifice is a resistance whose pressure
+drop grows with the square of the flow. With a 0-junction for every tank and a 1-junction for every orifice the bond
+graph repeats the drawing of the plant.
 """
 
 import propermodel as pm
