@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.balance import EnergyBalance, energy_balance
     from propermodel.analysis.comparison import Comparison, compare
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
+    from propermodel.equations.matrices import SymbolicMatrices, symbolic_matrices
     from propermodel.equations.readable import ReadableEquations, state_equations
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.plan import Reduction, plan_reduction
@@ -124,6 +125,8 @@ _WHEN_USED = {
     "save_trajectory": "simulation.storage",
     "simulate": "simulation.simulate",
     "state_equations": "equations.readable",
+    "SymbolicMatrices": "equations.matrices",
+    "symbolic_matrices": "equations.matrices",
     "write_model": "modelling.documents",
     "write_scenario": "modelling.documents",
 }
@@ -214,6 +217,8 @@ __all__ = [
     "Method",
     "state_equations",
     "ReadableEquations",
+    "symbolic_matrices",
+    "SymbolicMatrices",
     "simulate",
     "Trajectory",
     "save_trajectory",

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from propermodel.cli.models import Subject
     from propermodel.compiler import CompiledModel
+    from propermodel.equations.matrices import SymbolicMatrices
+    from propermodel.equations.readable import ReadableEquations
     from propermodel.modelling import Model
 
 
@@ -31,7 +33,10 @@ def show(
     tree: Annotated[bool, typer.Option("--tree", help="Parts inside parts.")] = False,
     causality: Annotated[bool, typer.Option("--causality", help="The causal stroke of every bond, and why.")] = False,
     equations: Annotated[bool, typer.Option("--equations", help="The state equations with physical names.")] = False,
-    format: Annotated[EquationFormat, typer.Option("--format", help="Of the equations.")] = EquationFormat.TEXT,
+    matrices: Annotated[bool, typer.Option("--matrices", help="A linear model as matrices of symbols.")] = False,
+    format: Annotated[
+        EquationFormat, typer.Option("--format", help="Of equations and matrices.")
+    ] = EquationFormat.TEXT,
     parameters: Annotated[bool, typer.Option("--parameters", help="Values, units, and where they are from.")] = False,
     settings: SetOption = None,
 ) -> None:
@@ -39,27 +44,33 @@ def show(
     from propermodel.cli.models import load_subject
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
+    from propermodel.equations.matrices import symbolic_matrices
     from propermodel.equations.readable import state_equations
 
     subject = load_subject(model)
     screen = Screen()
-    if tree or not (causality or equations or parameters):
+    if tree or not (causality or equations or matrices or parameters):
         screen.print(_tree(subject.model))
-    if not (causality or equations or parameters):
+    if not (causality or equations or matrices or parameters):
         return
     compiled = compile_model(subject.model)
     if causality:
         screen.print(_causality(compiled))
     if equations:
-        readable = state_equations(compiled)
-        written = {
-            EquationFormat.TEXT: readable.text,
-            EquationFormat.MARKDOWN: readable.markdown,
-            EquationFormat.LATEX: readable.latex,
-        }
-        typer.echo(written[format]().rstrip("\n"))
+        typer.echo(_written(state_equations(compiled), format))
+    if matrices:
+        typer.echo(_written(symbolic_matrices(compiled), format))
     if parameters:
         screen.print(_parameters(compiled, subject, settings or []))
+
+
+def _written(what: ReadableEquations | SymbolicMatrices, form: EquationFormat) -> str:
+    written = {
+        EquationFormat.TEXT: what.text,
+        EquationFormat.MARKDOWN: what.markdown,
+        EquationFormat.LATEX: what.latex,
+    }
+    return written[form]().rstrip("\n")
 
 
 def _tree(model: Model) -> Tree:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from propermodel.bondgraph.graph import BondGraph
 from propermodel.diagnostics import Path
@@ -30,6 +30,9 @@ from propermodel.expressions.core import (
 from propermodel.expressions.derivatives import derivative
 from propermodel.expressions.simplify import Simplifier
 from propermodel.modelling.model import ElementKind, Storage
+
+if TYPE_CHECKING:
+    from propermodel.equations.to_sympy import SymPyEquations
 
 # A physical quantity that is used more than once is defined by itself when its formula has more operands than this.
 LONGEST_REPEATED = 12
@@ -115,6 +118,12 @@ class ReadableEquations:
         from propermodel.equations.written import latex_of
 
         return latex_of(self)
+
+    def to_sympy(self) -> SymPyEquations:
+        """The equations as SymPy expressions, for which SymPy must be installed."""
+        from propermodel.equations.to_sympy import sympy_equations
+
+        return sympy_equations(self)
 
     def __str__(self) -> str:
         return self.text()
