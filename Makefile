@@ -3,6 +3,7 @@
 #   make demo    a worked example, results in out/demo
 #   make check   style, types, direction of imports
 #   make test    the tests
+#   make docs    the documentation, in docs/_build/html
 #   make setup   only the virtual environment
 #   make clean   remove everything that can be made again
 
@@ -15,13 +16,13 @@ PYTHON ?= python3
 BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/installed
-SOURCES := src tests $(wildcard benchmarks examples)
+SOURCES := src tests $(wildcard benchmarks examples) $(wildcard docs/*.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup check test demo bench clean
+.PHONY: help setup check test docs demo bench clean
 
 help:
-	@echo "targets: setup check test demo bench clean"
+	@echo "targets: setup check test docs demo bench clean"
 
 setup: $(STAMP)
 
@@ -43,6 +44,9 @@ check: $(STAMP)
 test: $(STAMP)
 	$(BIN)/python -m pytest
 
+docs: $(STAMP)
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+
 demo: $(STAMP)
 	$(BIN)/propermodel demo --out out/demo
 
@@ -50,4 +54,4 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks
 
 clean:
-	$(PYTHON) -c "import shutil; [shutil.rmtree(name, ignore_errors=True) for name in ('$(VENV)', 'out', 'build', 'dist', '.pytest_cache', '.ruff_cache', '.hypothesis', '.import_linter_cache')]"
+	$(PYTHON) -c "import shutil; [shutil.rmtree(name, ignore_errors=True) for name in ('$(VENV)', 'out', 'docs/_build', 'docs/gallery', 'build', 'dist', '.pytest_cache', '.ruff_cache', '.hypothesis', '.import_linter_cache')]"
