@@ -89,6 +89,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.activity import ActivityRanking, rank_activity
     from propermodel.analysis.balance import EnergyBalance, energy_balance
     from propermodel.analysis.comparison import Comparison, compare
+    from propermodel.causality.report import CausalReport, explain_causality
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
     from propermodel.equations.matrices import SymbolicMatrices, symbolic_matrices
     from propermodel.equations.readable import ReadableEquations, state_equations
@@ -105,6 +106,7 @@ _WHEN_USED = {
     "ActivityRanking": "analysis.activity",
     "Backend": "compiler",
     "Comparison": "analysis.comparison",
+    "CausalReport": "causality.report",
     "CompiledModel": "compiler",
     "EnergyBalance": "analysis.balance",
     "Method": "compiler",
@@ -116,6 +118,7 @@ _WHEN_USED = {
     "compare": "analysis.comparison",
     "compile_model": "compiler",
     "energy_balance": "analysis.balance",
+    "explain_causality": "causality.report",
     "load_trajectory": "simulation.storage",
     "plan_reduction": "reduction.plan",
     "rank_activity": "analysis.activity",
@@ -215,6 +218,8 @@ __all__ = [
     "CompiledModel",
     "Backend",
     "Method",
+    "explain_causality",
+    "CausalReport",
     "state_equations",
     "ReadableEquations",
     "symbolic_matrices",

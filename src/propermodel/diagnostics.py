@@ -49,6 +49,20 @@ def parse_path(text: str) -> Path:
     return Path(part for part in text.split(".") if part)
 
 
+def shortest_endings(paths: Iterable[Path]) -> dict[Path, Path]:
+    """Every path by its last names, as many as it takes to tell it from the others."""
+    paths = list(paths)
+    users: dict[tuple[str, ...], int] = {}
+    for path in paths:
+        for length in range(1, len(path) + 1):
+            ending = path[-length:]
+            users[ending] = users.get(ending, 0) + 1
+    return {
+        path: next((Path(end) for length in range(1, len(path)) if users[end := path[-length:]] == 1), path)
+        for path in paths
+    }
+
+
 @dataclass(frozen=True, slots=True)
 class Source:
     """Where something was written: file (relative to the project where possible) and line."""

@@ -151,8 +151,14 @@ def test_show_tells_where_values_come_from():
 
 def test_show_tells_causality_and_equations():
     printed = succeed("show", MODEL, "--causality", "--equations")
-    assert "integral causality preferred" in printed
+    assert "integral causality" in printed
+    assert "algebraic loops: none" in printed
     assert "  body_mass*body.velocity' = suspension.stiffness*suspension.spring.displacement\n" in printed
+
+
+def test_show_explains_causality_step_by_step():
+    printed = succeed("show", MODEL, "--causality", "--explain")
+    assert "1. Sf source prescribes the velocity (flow) of bond " in printed
 
 
 def test_show_writes_equations_for_documents():

@@ -31,7 +31,10 @@ class EquationFormat(StrEnum):
 def show(
     model: ModelText,
     tree: Annotated[bool, typer.Option("--tree", help="Parts inside parts.")] = False,
-    causality: Annotated[bool, typer.Option("--causality", help="The causal stroke of every bond, and why.")] = False,
+    causality: Annotated[
+        bool, typer.Option("--causality", help="Who sets effort and flow of every bond, and why.")
+    ] = False,
+    explain: Annotated[bool, typer.Option("--explain", help="With --causality: step by step.")] = False,
     equations: Annotated[bool, typer.Option("--equations", help="The state equations with physical names.")] = False,
     matrices: Annotated[bool, typer.Option("--matrices", help="A linear model as matrices of symbols.")] = False,
     format: Annotated[
@@ -41,6 +44,7 @@ def show(
     settings: SetOption = None,
 ) -> None:
     """Show a model: its parts, causality, equations or parameters."""
+    from propermodel.causality.report import explain_causality
     from propermodel.cli.models import load_subject
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
@@ -55,7 +59,8 @@ def show(
         return
     compiled = compile_model(subject.model)
     if causality:
-        screen.print(_causality(compiled))
+        report = explain_causality(compiled)
+        typer.echo(f"{report.table()}\n\n{report.explanation()}" if explain else report.text())
     if equations:
         typer.echo(_written(state_equations(compiled), format))
     if matrices:
@@ -92,15 +97,6 @@ def _tree(model: Model) -> Tree:
         for removal in model.removals:
             removed.add(plain(removal_text(removal)))
     return root
-
-
-def _causality(compiled: CompiledModel) -> Table:
-    from propermodel.cli.tables import plain, table
-
-    made = table(f"Causality of {compiled.model.name}", "bond", "effort into", "why", "decided by")
-    for name, stroke in compiled.system.causal.strokes.items():
-        made.add_row(plain(name), plain(stroke.effort_into), stroke.why.value, plain(stroke.cause))
-    return made
 
 
 def _parameters(compiled: CompiledModel, subject: Subject, settings: list[str]) -> Table:

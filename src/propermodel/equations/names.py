@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from propermodel.bondgraph.graph import BondGraph
-from propermodel.diagnostics import Path
+from propermodel.diagnostics import Path, shortest_endings
 from propermodel.expressions.core import Expr, Op, SymbolKind, symbol
 from propermodel.modelling.model import Variable
 
@@ -25,7 +25,7 @@ class Name:
 def shortest_names(symbols: Iterable[Expr]) -> dict[Expr, Name]:
     """A name for every symbol; owners are shortened from the left as long as no two are alike."""
     symbols = list(dict.fromkeys(symbols))
-    owners = _shortened(dict.fromkeys(leaf.data.path.parent for leaf in symbols))
+    owners = shortest_endings(dict.fromkeys(leaf.data.path.parent for leaf in symbols))
     names = {leaf: Name(owners[leaf.data.path.parent], leaf.data.path.name) for leaf in symbols}
     taken: dict[Name, list[Expr]] = {}
     for leaf, name in names.items():
@@ -35,20 +35,6 @@ def shortest_names(symbols: Iterable[Expr]) -> dict[Expr, Name]:
             # A parameter and a variable of one owner may be called alike.
             names[leaf] = Name(name.owner, f"{name.quantity}_{leaf.data.kind}")
     return names
-
-
-def _shortened(owners: Iterable[Path]) -> dict[Path, Path]:
-    """Every owner by its last names, as many as it takes."""
-    owners = list(owners)
-    users: dict[Path, int] = {}
-    for owner in owners:
-        for length in range(1, len(owner) + 1):
-            ending = Path(owner[-length:])
-            users[ending] = users.get(ending, 0) + 1
-    return {
-        owner: next((end for n in range(1, len(owner)) if users[end := Path(owner[-n:])] == 1), owner)
-        for owner in owners
-    }
 
 
 def quantity_symbol(graph: BondGraph, leaf: Expr) -> Expr:
