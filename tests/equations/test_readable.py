@@ -9,11 +9,23 @@ import pytest
 from matplotlib.mathtext import MathTextParser
 
 from propermodel.compiler import CompiledModel, compile_model
+from propermodel.diagnostics import ModelError
 from propermodel.equations.readable import LONGEST, state_equations
 from propermodel.expressions.core import TIME, Expr, SymbolKind, leaves, lookup
 from propermodel.expressions.interpret import interpret_all
 from propermodel.expressions.simplify import Simplifier
-from propermodel.modelling import Component, elaborate
+from propermodel.library.electrical import Capacitor, Ground, Resistor, VoltageSource
+from propermodel.modelling import (
+    Component,
+    Electrical,
+    Input,
+    Parameter,
+    Port,
+    Resistance,
+    connect,
+    elaborate,
+    parameter,
+)
 from propermodel.modelling.model import Storage
 from tests import textbooks
 
@@ -74,9 +86,9 @@ def test_the_rates_are_those_of_the_system(component: type[Component]):
     readable = state_equations(model)
     draw = random.Random(1)
     point: dict[Expr, float] = {}
-    for parameter in model.graph.parameters.values():
+    for flat in model.graph.parameters.values():
         # A parameter that repeats another one has its value.
-        point[parameter.symbol] = point.get(parameter.value, draw.uniform(0.5, 2.0))
+        point[flat.symbol] = point.get(flat.value, draw.uniform(0.5, 2.0))
     for table, leaf in zip(model.graph.tables.values(), readable.inputs, strict=True):
         point[leaf] = point[lookup(table.symbol, TIME)] = draw.uniform(-1.0, 1.0)
         point[table.symbol] = point[TIME] = 0.0
@@ -165,3 +177,88 @@ def test_a_long_chain_is_written_in_bounded_space():
         for state in readable.states
         for leaf in leaves(state.right)
     )
+
+
+class CubicResistor(Resistance):
+    """A law that can only be read one way, u = g i^3."""
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    gain: Parameter = parameter("V/A3")
+
+    def effort(self, flow: Expr) -> Expr:
+        return self.gain * flow * flow * flow
+
+
+class LoadedDivider(Component):
+    """A divider with a nonlinear lower half, loaded by a capacitor."""
+
+    voltage = Input("V")
+    source = VoltageSource()
+    upper = Resistor(resistance=2.0)
+    lower_half = CubicResistor(gain=3.0)
+    link = Resistor(resistance=5.0)
+    capacitor = Capacitor(capacitance=1e-3)
+    ground = Ground()
+
+    connections = (
+        connect(voltage, source.voltage),
+        connect(source.pin, upper.a),
+        connect(upper.b, lower_half.a, link.a),
+        connect(link.b, capacitor.a),
+        connect(lower_half.b, capacitor.b, ground.pin),
+    )
+
+
+def test_an_implicit_block_says_what_it_solves_for():
+    readable = state_equations(compiled(LoadedDivider()))
+    lines = readable.text().splitlines()
+    assert lines[2:5] == [
+        "  capacitor.capacitance*capacitor.voltage' = (lower_half.voltage - capacitor.voltage)/link.resistance",
+        "",
+        "solved together for lower_half.voltage:",
+    ]
+    assert "".join(line.strip() for line in lines[5:]) == (
+        "0 = lower_half.voltage- lower_half.gain*((voltage - lower_half.voltage)/upper.resistance"
+        " + (capacitor.voltage - lower_half.voltage)/link.resistance)^3"
+    )
+    assert r"\noindent solved together for $u_{\mathrm{lower\ half}}$:" in readable.latex()
+
+
+def test_outputs_are_written_in_the_same_terms():
+    model = compiled(textbooks.QuarterCar())
+    (output,) = state_equations(model, ["suspension.damper.port.effort"]).outputs
+    assert "\noutputs:\n  damper.force = suspension.damping*(wheel.velocity - body.velocity)" in state_equations(
+        model, ["suspension.damper.port.effort"]
+    ).text().replace("suspension.damper", "damper")
+    assert output.unit == "N"
+
+
+def test_an_unknown_output_is_refused_with_the_nearest():
+    with pytest.raises(ModelError, match=r"did you mean 'suspension\.damper\.port\.effort'"):
+        state_equations(compiled(textbooks.QuarterCar()), ["suspension.damper.port.efort"])
+
+
+class Divider(Component):
+    """Two resistors on a source: no states at all."""
+
+    voltage = Input("V")
+    source = VoltageSource()
+    upper = Resistor(resistance=1.0)
+    lower = Resistor(resistance=2.0)
+    ground = Ground()
+
+    connections = (
+        connect(voltage, source.voltage),
+        connect(source.pin, upper.a),
+        connect(upper.b, lower.a),
+        connect(lower.b, ground.pin),
+    )
+
+
+def test_a_model_without_states_shows_what_its_elements_answer():
+    text = state_equations(compiled(Divider())).text()
+    assert text.splitlines()[:2] == ["divider: 0 states", "inputs: voltage [V]"]
+    assert "upper.resistance*voltage/(upper.resistance + lower.resistance)" in text
+    assert "= voltage/(upper.resistance + lower.resistance)" in text

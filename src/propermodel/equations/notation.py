@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from propermodel.diagnostics import Path
 from propermodel.equations.names import Name
 from propermodel.expressions.core import Expr, Op, postorder
 from propermodel.expressions.printing import format_number
@@ -37,6 +39,8 @@ class Notation:
     node: Callable[[Expr, list[Piece]], Piece]
     name: Callable[[Name], str]
     rate: Callable[[str], str]
+    pi: str
+    times: str
 
     def formula(self, expr: Expr, names: Mapping[Expr, str]) -> str:
         """The expression with these names for its symbols."""
@@ -53,11 +57,18 @@ class Notation:
             if node in names:
                 known[node] = names[node], ATOM
             elif node.op is Op.CONSTANT:
-                value = float(f"{node.data[0]:.12g}")
-                known[node] = format_number(value), SUM if value < 0 else ATOM
+                known[node] = self.number(node.data[0])
             else:
                 known[node] = self.node(node, [known[arg] for arg in node.args])
         return known[expr]
+
+    def number(self, value: float) -> Piece:
+        """A number with at most twelve digits; small multiples of pi as such."""
+        times = round(value / math.pi)
+        if 1 <= times <= 16 and math.isclose(value, times * math.pi, rel_tol=1e-14):
+            return (self.pi, ATOM) if times == 1 else (f"{times}{self.times}{self.pi}", PRODUCT)
+        value = float(f"{value:.12g}")
+        return format_number(value), SUM if value < 0 else ATOM
 
 
 def _bracket(piece: Piece, outer: int) -> str:
@@ -96,7 +107,7 @@ def _text_node(node: Expr, args: list[Piece]) -> Piece:
             return f"{node.op}({', '.join(text for text, _ in args)})", ATOM
 
 
-TEXT = Notation(node=_text_node, name=str, rate=lambda name: f"{name}'")
+TEXT = Notation(node=_text_node, name=str, rate=lambda name: f"{name}'", pi="pi", times="*")
 
 
 # -- LaTeX -----------------------------------------------------------------------------------------------
@@ -161,6 +172,11 @@ def _spelt_out(name: Name) -> str:
     return f"{_upright(name.quantity)}_{{{index}}}" if index else _upright(name.quantity)
 
 
+def spelt_out(path: Path) -> str:
+    """A path in upright letters."""
+    return ".".join(_upright(part) for part in path)
+
+
 def _upright(text: str) -> str:
     words = text.replace("[", " ").replace("]", "").replace("_", " ").split()
     return rf"\mathrm{{{' '.join(words)}}}".replace(" ", r"\ ")
@@ -220,4 +236,4 @@ def _latex_rate(name: str) -> str:
     return rf"\dot{{{letter}}}{mark}{index}"
 
 
-LATEX = Notation(node=_latex_node, name=_latex_name, rate=_latex_rate)
+LATEX = Notation(node=_latex_node, name=_latex_name, rate=_latex_rate, pi=r"\pi", times=r" \, ")

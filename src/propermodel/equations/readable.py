@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from propermodel.bondgraph.graph import BondGraph
-from propermodel.diagnostics import Path
+from propermodel.diagnostics import ModelError, Path, nearest, parse_path
+from propermodel.equations.definitions import Variables
 from propermodel.equations.names import Name, input_symbols, parameter_aliases, quantity_symbol, shortest_names
 from propermodel.equations.system import EquationSystem, StateVariable
 from propermodel.expressions.core import (
@@ -29,7 +30,7 @@ from propermodel.expressions.core import (
 )
 from propermodel.expressions.derivatives import derivative
 from propermodel.expressions.simplify import Simplifier
-from propermodel.modelling.model import ElementKind, Storage
+from propermodel.modelling.model import ElementKind, Resistive, Storage, Variable
 
 if TYPE_CHECKING:
     from propermodel.equations.to_sympy import SymPyEquations
@@ -97,6 +98,7 @@ class ReadableEquations:
     states: tuple[ReadableState, ...]
     definitions: tuple[Definition, ...]
     blocks: tuple[ReadableBlock, ...]
+    outputs: tuple[Definition, ...]
     updates: tuple[ReadableUpdate, ...]
     inputs: tuple[Expr, ...]
     names: Mapping[Expr, Name]
@@ -138,8 +140,11 @@ class HasEquations(Protocol):
         ...
 
 
-def state_equations(of: EquationSystem | HasEquations) -> ReadableEquations:
+def state_equations(of: EquationSystem | HasEquations, outputs: Iterable[Path | str] = ()) -> ReadableEquations:
     """The state equations of a compiled model, simplified, substituted as far as it helps, and grouped by part.
+
+    `outputs` are efforts, flows and signals to be written in the same terms. A model without states is written as
+    what its elements answer with.
 
     A physical quantity that occurs more than once is defined by itself when it has more than `LONGEST_REPEATED`
     operands, any part of a formula when it has more than `LONGEST`.
@@ -155,6 +160,11 @@ def state_equations(of: EquationSystem | HasEquations) -> ReadableEquations:
         for block in system.blocks
     )
     states = _by_group([work.state(item) for item in shown])
+    wanted = [work.quantity(path) for path in outputs] or ([] if shown else _answers(system))
+    answers = tuple(
+        Definition(named, leaf.data.unit, work.written(system.values[leaf]))
+        for leaf, named in ((leaf, quantity_symbol(system.causal.graph, leaf)) for leaf in wanted)
+    )
     updates = tuple(
         ReadableUpdate(path, tuple((work.written(held), work.written(value)) for held, value in values))
         for path, values in system.updates
@@ -162,6 +172,7 @@ def state_equations(of: EquationSystem | HasEquations) -> ReadableEquations:
     definitions = tuple(work.definitions)
     written = [e for s in states for e in (s.symbol, s.coefficient, s.right)]
     written += [e for d in definitions for e in (d.symbol, d.value)]
+    written += [e for d in answers for e in (d.symbol, d.value)]
     written += [e for b in blocks for e in (*b.unknowns, *b.residuals)]
     written += [e for u in updates for pair in u.values for e in pair]
     symbols = leaves(*written)
@@ -171,6 +182,7 @@ def state_equations(of: EquationSystem | HasEquations) -> ReadableEquations:
         states=states,
         definitions=definitions,
         blocks=blocks,
+        outputs=answers,
         updates=updates,
         inputs=tuple(leaf for leaf in work.inputs if leaf in used),
         names=shortest_names(symbols),
@@ -221,6 +233,7 @@ class _Work:
         known.update({u: quantity_symbol(graph, u) for block in system.blocks for u in block.unknowns})
         known = {leaf: value for leaf, value in known.items() if value is not leaf}
         self._aliases = parameter_aliases(graph)
+        self._values = system.values
         self._quantities = _quantities(graph, system.values)
         roots = [state.derivative for state in system.states]
         roots += [residual for block in system.blocks for residual in block.residuals]
@@ -228,6 +241,18 @@ class _Work:
         self._uses = Counter(arg for node in postorder(roots) for arg in node.args)
         self._uses.update(roots)
         self._simplify = Simplifier({k: substitute(v, self._aliases) for k, v in known.items()}, self._cut)
+
+    def quantity(self, path: Path | str) -> Expr:
+        """The effort, flow or signal of a path."""
+        wanted = parse_path(path) if isinstance(path, str) else path
+        found = next((leaf for leaf in self._values if leaf.data.path == wanted), None)
+        if found is None:
+            raise ModelError.of(
+                "equations/unknown-output",
+                f"'{wanted}' is no effort, flow or signal of this model",
+                help=nearest(str(wanted), (str(leaf.data.path) for leaf in self._values)),
+            )
+        return found
 
     def written(self, expr: Expr) -> Expr:
         """The expression as it is shown."""
@@ -278,6 +303,18 @@ def _quantities(graph: BondGraph, values: Mapping[Expr, Expr]) -> dict[Expr, Exp
         if before is None or len(leaf.data.path) < len(before.data.path):
             found[value] = leaf
     return {value: quantity_symbol(graph, leaf) for value, leaf in found.items()}
+
+
+def _answers(system: EquationSystem) -> list[Expr]:
+    """What every element but a source gives at its ports."""
+    graph = system.causal.graph
+    variables = Variables(graph)
+    return [
+        variables.of(bond, Variable.FLOW if system.causal.receives_effort(bond, element) else Variable.EFFORT)
+        for path, bonds in graph.normal.at().items()
+        if (element := graph.normal.elements.get(path)) is not None and isinstance(element.behaviour, Resistive)
+        for bond in bonds
+    ]
 
 
 def _by_group(states: Iterable[ReadableState]) -> tuple[ReadableState, ...]:

@@ -26,6 +26,7 @@ class SymPyEquations:
     inputs: tuple[Any, ...]
     rates: Mapping[Any, Any]
     definitions: Mapping[Any, Any]
+    outputs: Mapping[Any, Any]
     residuals: tuple[Any, ...]
 
     @property
@@ -54,6 +55,7 @@ def sympy_equations(equations: ReadableEquations) -> SymPyEquations:
         inputs=tuple(leaves[leaf] for leaf in equations.inputs),
         rates={convert(state.symbol): convert(state.right) / convert(state.coefficient) for state in equations.states},
         definitions={convert(d.symbol): convert(d.value) for d in equations.definitions},
+        outputs={convert(d.symbol): convert(d.value) for d in equations.outputs},
         residuals=tuple(convert(residual) for block in equations.blocks for residual in block.residuals),
     )
 

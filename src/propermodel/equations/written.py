@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from propermodel.equations.notation import LATEX, TEXT, Notation, latex_names
+from propermodel.equations.notation import LATEX, TEXT, Notation, latex_names, spelt_out
 from propermodel.expressions.core import ONE, Expr, SymbolKind
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def markdown_of(equations: ReadableEquations) -> str:
     parts = [f"## {equations.title}", ""]
     parts += [f"$${left} = {right}$$\n" for left, right in _state_lines(equations, LATEX, names)]
     for heading, further in _further(equations, LATEX, names):
-        parts += [f"{heading.capitalize()}\n", *(f"$${left} = {right}$$\n" for left, right in further)]
+        parts += [f"{heading[0].upper()}{heading[1:]}\n", *(f"$${left} = {right}$$\n" for left, right in further)]
     parts += ["| symbol | name | unit | kind |", "| --- | --- | --- | --- |"]
     given = set(equations.inputs)
     shown = {state.symbol for state in equations.states}
@@ -67,7 +67,7 @@ def latex_of(equations: ReadableEquations) -> str:
     names = latex_names(equations.names)
     parts = _aligned(_state_lines(equations, LATEX, names))
     for heading, further in _further(equations, LATEX, names):
-        parts += [heading, *_aligned(further)]
+        parts += ["", rf"\noindent {heading}", *_aligned(further)]
     return "\n".join(parts) + "\n"
 
 
@@ -92,14 +92,18 @@ def _further(
     equations: ReadableEquations, notation: Notation, names: Mapping[Expr, str]
 ) -> Iterable[tuple[str, list[Line]]]:
     """What the state equations mention, under headings."""
+    dollar = "" if notation is TEXT else "$"
     for block in equations.blocks:
-        unknowns = ", ".join(str(equations.names[unknown]) for unknown in block.unknowns)
+        unknowns = ", ".join(f"{dollar}{names[unknown]}{dollar}" for unknown in block.unknowns)
         yield f"solved together for {unknowns}:", [("0", notation.formula(r, names)) for r in block.residuals]
+    if equations.outputs:
+        yield "outputs:", [(names[d.symbol], notation.formula(d.value, names)) for d in equations.outputs]
     if equations.definitions:
         yield "where:", [(names[d.symbol], notation.formula(d.value, names)) for d in equations.definitions]
     for update in equations.updates:
         rows = [(names[held], notation.formula(value, names)) for held, value in update.values]
-        yield f"at every run of {update.controller}:", rows
+        controller = str(update.controller) if notation is TEXT else f"${spelt_out(update.controller)}$"
+        yield f"at every run of {controller}:", rows
 
 
 def _with_unit(name: str, unit: str) -> str:

@@ -22,14 +22,16 @@ from propermodel.expressions.core import (
     intern_node,
     leaves,
     multiply,
-    negate,
     number,
     power,
     rebuild,
+    subtract,
 )
 
 # Products are multiplied out as long as the sum has no more terms than this.
 MOST_TERMS = 24
+# A fraction within a fraction is as hard to read as so many operands.
+FRACTION_WITHIN = 3
 # What the coefficients of like terms leave below this share of themselves is rounding.
 ROUNDING = 1e-13
 
@@ -66,6 +68,7 @@ class Simplifier:
         self._forms: dict[Expr, Form] = {}
         self._texts: dict[Expr, Expr] = {}
         self._sizes: dict[Expr, int] = {}
+        self._nested: dict[Expr, tuple[int, int]] = {}  # divisions, and how many of them stand within another
         self._cut: Callable[[Expr, Expr], Expr | None] | None = None
         for leaf, value in (known or {}).items():
             self(value)
@@ -89,6 +92,16 @@ class Simplifier:
             own = 0 if node.op in _ARITHMETIC else 1
             self._sizes[node] = own + sum(self._sizes[arg] for arg in node.args)
         return self._sizes[expr]
+
+    def _awkwardness(self, expr: Expr) -> int:
+        """The size of an expression, and what fractions within fractions cost its reader."""
+        for node in _below(expr, self._nested):
+            inner = [self._nested[arg] for arg in node.args]
+            divisions = sum(below for below, _ in inner)
+            within = sum(deep for _, deep in inner)
+            is_division = node.op is Op.DIVIDE
+            self._nested[node] = (divisions + is_division, divisions if is_division else within)
+        return self.size(expr) + FRACTION_WITHIN * self._nested[expr][1]
 
     # -- atoms -------------------------------------------------------------------------------------------
 
@@ -242,7 +255,7 @@ class Simplifier:
             together = None if form.wide is None else self._together(form.wide)
             if together is not None:
                 candidates.append(self._written(together))
-            self._texts[node] = min(candidates, key=self.size)
+            self._texts[node] = min(candidates, key=self._awkwardness)
         return self._texts[node]
 
     def _together(self, poly: Polynomial) -> Polynomial | None:
@@ -328,7 +341,7 @@ class Simplifier:
         ordered = [parts[first], *parts[:first], *parts[first + 1 :]]
         total = ZERO
         for expr, sign in ordered:
-            total = add(total, expr if sign > 0 else negate(expr))
+            total = add(total, expr) if sign > 0 else subtract(total, expr)
         return total
 
     def _signed(self, monomial: Monomial, coefficient: float) -> tuple[Expr, float]:
