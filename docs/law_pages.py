@@ -20,8 +20,8 @@ DOMAINS = {
 }
 HEAD = """# The laws of the library
 
-What every element imposes on its ports, as the program has read it from the library. Where a port has a line for effort and
-one for flow, either causality is offered. Names without a dot are parameters, inputs and coordinates of the element.
+What every element imposes on its ports, as the program has read it from the library. Where a port has a line for effort
+and one for flow, either causality is offered. Names without a dot are parameters, inputs and coordinates of it.
 """
 
 

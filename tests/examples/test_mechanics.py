@@ -234,3 +234,65 @@ def test_a_gas_spring_is_between_isothermal_and_adiabatic():
     expected = simulated(rates, [0.05, 0.0, 300.0], run)
     np.testing.assert_allclose(run["gas.compression"], expected[1], atol=1e-7)
     np.testing.assert_allclose(run["gas.temperature"], expected[2], atol=1e-4)
+
+
+def test_a_pendulum_by_transformers_is_one_in_its_angle():
+    run = answer("pendulum_by_transformers")
+    inertia, weight = 0.02 + 2.0 * 0.25, 2.0 * 9.80665 * 0.5
+    expected = simulated(lambda t, y: [-weight * math.sin(y[1]) / inertia, y[0]], [6.0, 0.0], run)
+    np.testing.assert_allclose(run["sensor.angle"], expected[1], atol=1e-7)
+    np.testing.assert_allclose(run["bob_x.flange.flow"], 0.5 * np.cos(expected[1]) * expected[0], atol=1e-6)
+    np.testing.assert_allclose(run["bob_y.flange.flow"], 0.5 * np.sin(expected[1]) * expected[0], atol=1e-6)
+    assert expected[1].max() == pytest.approx(math.acos(1 - inertia * 36.0 / 2 / weight), abs=1e-4)
+
+
+def test_a_pendulum_on_a_spring_in_cartesian_coordinates():
+    run = answer("pendulum_on_a_spring")
+
+    def rates(t, y):
+        place = y[2:]
+        distance = np.hypot(*place)
+        pull = -2.0e4 * (distance - 0.5) * place / distance
+        return [pull[0] / 2.0, pull[1] / 2.0 - 9.80665, *y[:2]]
+
+    expected = simulated(rates, [0.0, 0.0, 0.5, 0.0], run, rtol=1e-12)
+    np.testing.assert_allclose(run["x.position"], expected[2], atol=1e-5)
+    np.testing.assert_allclose(run["y.position"], expected[3], atol=1e-5)
+    # It is nearly a rigid pendulum: the angle of the period agrees with the elliptic integral.
+    period = 4 * math.sqrt(0.5 / 9.80665) * ellipk(math.sin(math.pi / 4) ** 2)
+    back = run.time[50:][run["x.position"][50:].argmax()]
+    assert back % period == pytest.approx(0.0, abs=0.05) or back % period == pytest.approx(period, abs=0.05)
+
+
+def test_a_slider_crank_by_lagranges_equation():
+    run = answer("slider_crank")
+    r, rod, J, m = 0.05, 0.15, 0.02, 2.0
+
+    def slope(angle):
+        return -r * math.sin(angle) * (1 + r * math.cos(angle) / math.sqrt(rod**2 - (r * math.sin(angle)) ** 2))
+
+    def rates(t, y):
+        speed, angle = y
+        k, bend = slope(angle), (slope(angle + 1e-6) - slope(angle - 1e-6)) / 2e-6
+        return [(2.0 - 0.05 * speed - m * k * bend * speed**2) / (J + m * k * k), speed]
+
+    expected = simulated(rates, [20.0, 0.0], run, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(run["flywheel.shaft.flow"], expected[0], atol=1e-5)
+    pistons = [slope(angle) * speed for speed, angle in expected.T]
+    np.testing.assert_allclose(run["piston.flange.flow"], pistons, atol=1e-6)
+
+
+def test_a_ball_keeps_the_height_and_period_of_its_bounces():
+    run = answer("ball_on_elastic_floor")
+    m, k, g, h = 0.2, 2.0e5, 9.80665, 0.5
+    speed, w = math.sqrt(2 * g * h), math.sqrt(k / m)
+    # In contact the ball swings about its static depth g / w^2.
+    contact = 2 * (math.pi - math.atan2(speed, g / w)) / w
+    period = 2 * speed / g + contact
+    t = run.time % period
+    flight = t < 2 * speed / g + contact - 1e-3
+    falling = flight & (t < speed / g - 1e-3)
+    rising = flight & (t > speed / g + contact + 1e-3)
+    height = 0.5 - run["contact.port.displacement"]
+    np.testing.assert_allclose(height[falling], h - g * t[falling] ** 2 / 2, atol=2e-4)
+    np.testing.assert_allclose(height[rising], h - g * (period - t[rising]) ** 2 / 2, atol=2e-4)
