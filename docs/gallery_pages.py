@@ -14,6 +14,8 @@ from typing import Any
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 GALLERY = DOCS / "gallery"
+FEW = 8  # states whose equations a page shows
+LONGEST = 6000  # characters of them
 
 
 def setup(app: Any) -> dict[str, bool]:
@@ -56,6 +58,7 @@ def write_page(name: str) -> str:
         f"# {title.rstrip('.')}",
         idea.strip(),
         f"![What {name} does over time]({name}.png)",
+        *equations(module),
         f"## The model: `examples/{name}.py`",
         f"```python\n{source}\n```",
         "## What it prints",
@@ -63,6 +66,15 @@ def write_page(name: str) -> str:
     ]
     write(GALLERY / f"{name}.md", "\n\n".join(page) + "\n")
     return title.rstrip(".")
+
+
+def equations(module: dict[str, Any]) -> list[str]:
+    """The state equations of an example, where they are few."""
+    from propermodel.equations.readable import state_equations
+
+    readable = state_equations(module["answer"].compiled)
+    written = readable.markdown().partition("\n")[2].strip()
+    return ["## Its equations", written] if len(readable.states) <= FEW and len(written) <= LONGEST else []
 
 
 def draw(module: dict[str, Any] | ModuleType, file: Path) -> None:
