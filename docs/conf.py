@@ -13,6 +13,7 @@ myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "propermodel"
+suppress_warnings = ["toc.empty_glob"]
 exclude_patterns = ["_build", "decisions"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"

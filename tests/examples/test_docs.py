@@ -10,6 +10,7 @@ import contextlib
 import io
 import re
 import shlex
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,7 @@ def test_the_blocks_of_a_page_run(page: str, tmp_path: Path, monkeypatch: pytest
 
 
 def test_every_page_is_in_the_table_of_contents():
-    index = (DOCS / "index.md").read_text(encoding="utf-8")
+    entries = (DOCS / "index.md").read_text(encoding="utf-8").splitlines()
     for page in PAGES:
-        assert page == "index.md" or re.search(rf"^{re.escape(page.removesuffix('.md'))}$", index, re.MULTILINE), page
+        name = page.removesuffix(".md")
+        assert name == "index" or any(fnmatch(name, entry) for entry in entries if entry), name

@@ -71,7 +71,7 @@ def simulate(
         continued_from: A run of the same model to go on from; `scenario.stop` is the new end.
 
     Returns:
-        What was computed, also when the run was interrupted (Ctrl-C) or failed: see `ending`.
+        What was computed, also when the run was interrupted (Ctrl-C) or failed; `ending` says how it ended.
 
     Raises:
         SimulationError: the scenario or an observable does not fit the model.
