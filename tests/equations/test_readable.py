@@ -50,8 +50,13 @@ inputs: torque [N.m]
     textbooks.WheatstoneBridge: """\
 wheatstone_bridge: 1 state
 inputs: voltage [V]
-  galvanometer.inductance*galvanometer.current' = upper_right.resistance*(voltage - lower_right.resistance*galvanometer.current)/(upper_right.resistance + lower_right.resistance)
-        - upper_left.resistance*(voltage + lower_left.resistance*galvanometer.current)/(upper_left.resistance + lower_left.resistance)""",  # noqa: E501
+  galvanometer.inductance*galvanometer.current' =
+        upper_right.resistance
+            *(voltage - lower_right.resistance*galvanometer.current)
+            /(upper_right.resistance + lower_right.resistance)
+        - upper_left.resistance
+            *(voltage + lower_left.resistance*galvanometer.current)
+            /(upper_left.resistance + lower_left.resistance)""",
     textbooks.QuarterCar: """\
 quarter_car: 4 states
 inputs: road.velocity [m/s]
@@ -165,13 +170,13 @@ def test_a_long_chain_is_written_in_bounded_space():
     begin = time.process_time()
     readable = state_equations(model)
     text = readable.text()
-    assert time.process_time() - begin < 5.0
+    assert time.process_time() - begin < 10.0
     assert len(readable.states) == 1000
     assert readable.definitions == ()
     simplifier = Simplifier()
     assert max(simplifier.size(state.right) for state in readable.states) <= LONGEST
     assert text == state_equations(model).text()
-    assert "sections[321].mass.mass*sections[321].mass.velocity' = " in text
+    assert "sections[321].mass.mass*sections[321].mass.velocity' =\n" in text
     assert all(
         leaf.data.kind in (SymbolKind.STATE, SymbolKind.PARAMETER, SymbolKind.SIGNAL)
         for state in readable.states
@@ -214,14 +219,15 @@ class LoadedDivider(Component):
 def test_an_implicit_block_says_what_it_solves_for():
     readable = state_equations(compiled(LoadedDivider()))
     lines = readable.text().splitlines()
-    assert lines[2:5] == [
-        "  capacitor.capacitance*capacitor.voltage' = (lower_half.voltage - capacitor.voltage)/link.resistance",
+    assert lines[2:6] == [
+        "  capacitor.capacitance*capacitor.voltage' =",
+        "        (lower_half.voltage - capacitor.voltage)/link.resistance",
         "",
         "solved together for lower_half.voltage:",
     ]
-    assert "".join(line.strip() for line in lines[5:]) == (
+    assert "".join(line.strip() for line in lines[6:]) == (
         "0 = lower_half.voltage- lower_half.gain*((voltage - lower_half.voltage)/upper.resistance"
-        " + (capacitor.voltage - lower_half.voltage)/link.resistance)^3"
+        "+ (capacitor.voltage - lower_half.voltage)/link.resistance)^3"
     )
     assert r"\noindent solved together for $u_{\mathrm{lower\ half}}$:" in readable.latex()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from propermodel.equations.readable import ReadableEquations
 
 WIDTH = 100
+INDENT = 8  # of what continues a formula
+DEEPEST_BREAK = 4  # brackets within which a long term may still be broken
 FEW = 8  # as many states need no headings
 _KINDS = {
     SymbolKind.PARAMETER: "parameter",
@@ -116,22 +119,41 @@ def _wrapped(row: Line, width: int) -> list[str]:
     head = f"  {left:<{width}} = "
     if len(head) + len(right) > WIDTH:
         head = f"  {left} = "
-    indent = " " * min(len(head), 8)
     lines = [head]
-    for term in _terms(right):
-        if len(lines[-1]) + len(term) > WIDTH and lines[-1] != head:
-            lines.append(indent)
-        lines[-1] += term + " "
+    is_broken = False
+    for number, term in enumerate(_terms(right, 0)):
+        fits = len(lines[-1]) + len(term) <= WIDTH
+        if not fits or is_broken:
+            lines.append(" " * INDENT)
+        pieces = _pieces(term, WIDTH - INDENT)
+        is_broken = len(pieces) > 1
+        lines[-1] += (" " if number and lines[-1].strip() else "") + pieces[0]
+        for place, piece in enumerate(pieces[1:]):
+            space = " " if piece.startswith(("+", "-")) else ""
+            if not place or len(lines[-1]) + len(piece) >= WIDTH:
+                lines.append(" " * (INDENT + 4))
+                space = ""
+            lines[-1] += space + piece
     return [line.rstrip() for line in lines]
 
 
-def _terms(formula: str) -> list[str]:
-    """A formula cut before every sign that stands in no bracket."""
+def _pieces(term: str, room: int) -> list[str]:
+    """A term that has no room on a line, cut between its factors, then at signs within brackets, outermost first."""
+    if len(term) <= room:
+        return [term]
+    pieces = [part for part in re.split(r"(?=[*/]\()", term) if part]
+    for depth in range(1, DEEPEST_BREAK):
+        pieces = [part for piece in pieces for part in ([piece] if len(piece) <= room else _terms(piece, depth))]
+    return pieces
+
+
+def _terms(formula: str, at: int) -> list[str]:
+    """A formula cut before every sign that stands in so many brackets."""
     depth = begin = 0
     found: list[str] = []
     for place, sign in enumerate(formula):
         depth += (sign in "([") - (sign in ")]")
-        if depth == 0 and formula[place : place + 3] in (" + ", " - "):
+        if depth == at and formula[place : place + 3] in (" + ", " - "):
             found.append(formula[begin:place])
             begin = place + 1
     return [*found, formula[begin:]]

@@ -27,16 +27,24 @@ from propermodel.expressions.core import (
     rebuild,
     subtract,
 )
+from propermodel.expressions.polynomials import (
+    MOST_TERMS,
+    Monomial,
+    Polynomial,
+    accumulate,
+    added,
+    joined,
+    least_exponents,
+    quotient,
+    raised,
+    scaled,
+    shared_factor,
+    short,
+)
 
-# Products are multiplied out as long as the sum has no more terms than this.
-MOST_TERMS = 24
 # A fraction within a fraction is as hard to read as so many operands.
 FRACTION_WITHIN = 3
-# What the coefficients of like terms leave below this share of themselves is rounding.
-ROUNDING = 1e-13
 
-Monomial = tuple[tuple[int, float], ...]  # number of an atom and its exponent, by number
-Polynomial = dict[Monomial, float]  # the coefficient of each product; exponents may be negative
 
 _FIXED = frozenset({SymbolKind.PARAMETER, SymbolKind.TABLE})
 
@@ -136,11 +144,11 @@ class Simplifier:
             case Op.ADD | Op.SUBTRACT:
                 a, b = (self._forms[arg] for arg in node.args)
                 sign = 1.0 if node.op is Op.ADD else -1.0
-                wide = None if a.wide is None or b.wide is None else _short(_sum(a.wide, b.wide, sign))
-                return Form(_sum(a.flat, b.flat, sign), wide)
+                wide = None if a.wide is None or b.wide is None else short(added(a.wide, b.wide, sign))
+                return Form(added(a.flat, b.flat, sign), wide)
             case Op.NEGATE:
                 a = self._forms[node.args[0]]
-                return Form(_scaled(a.flat, -1.0), None if a.wide is None else _scaled(a.wide, -1.0))
+                return Form(scaled(a.flat, -1.0), None if a.wide is None else scaled(a.wide, -1.0))
             case Op.MULTIPLY:
                 a, b = (self._forms[arg] for arg in node.args)
                 return Form(self._times(a.flat, b.flat), self._product(a.wide, b.wide))
@@ -186,7 +194,7 @@ class Simplifier:
             return {}
         ((m, c),) = self._factored(a).items()
         ((n, d),) = self._factored(b).items()
-        return {_joined(m, n): c * d}
+        return {joined(m, n): c * d}
 
     def _product(self, a: Polynomial | None, b: Polynomial | None) -> Polynomial | None:
         """The product of two sums, multiplied out; None where that is long."""
@@ -195,35 +203,35 @@ class Simplifier:
         result: Polynomial = {}
         for m, c in a.items():
             for n, d in b.items():
-                _accumulate(result, _joined(m, n), c * d)
+                accumulate(result, joined(m, n), c * d)
         return result
 
     def _factored(self, poly: Polynomial) -> Polynomial:
         """The sum as one term: what all terms share, times the remaining sum as one atom."""
         if len(poly) <= 1:
             return poly
-        return self._as_factor(poly, _common(poly))
+        return self._as_factor(poly, shared_factor(poly))
 
     def _inverse(self, poly: Polynomial) -> Polynomial:
         """The reciprocal of a sum, as one term without nested fractions."""
-        common = _least(poly)
-        cleared = self._expanded({_joined(m, _raised(common, -1.0)): c for m, c in poly.items()})
+        common = least_exponents(poly)
+        cleared = self._expanded({joined(m, raised(common, -1.0)): c for m, c in poly.items()})
         if cleared is None or not cleared:
             cleared, common = poly, ()
-        ((monomial, coefficient),) = self._as_factor(cleared, _common(cleared), common).items()
-        return {_raised(monomial, -1.0): 1.0 / coefficient}
+        ((monomial, coefficient),) = self._as_factor(cleared, shared_factor(cleared), common).items()
+        return {raised(monomial, -1.0): 1.0 / coefficient}
 
     def _as_factor(self, poly: Polynomial, common: Monomial, outside: Monomial = ()) -> Polynomial:
-        rest = {_joined(m, _raised(common, -1.0)): c for m, c in poly.items()}
-        shared = _joined(common, outside)
+        rest = {joined(m, raised(common, -1.0)): c for m, c in poly.items()}
+        shared = joined(common, outside)
         first = rest[min(rest)]
         magnitude = abs(first) if len({abs(c) for c in rest.values()}) == 1 else 1.0
         scale = magnitude if first > 0 else -magnitude
         if len(rest) == 1:
             ((monomial, coefficient),) = rest.items()
-            return {_joined(shared, monomial): coefficient}
+            return {joined(shared, monomial): coefficient}
         atom = self._sum_atom({m: c / scale for m, c in rest.items()})
-        return {_joined(shared, ((atom, 1.0),)): scale}
+        return {joined(shared, ((atom, 1.0),)): scale}
 
     def _expanded(self, poly: Polynomial) -> Polynomial | None:
         """The sum with factors that are sums multiplied out; None where that is long."""
@@ -237,8 +245,8 @@ class Simplifier:
             if term is None:
                 return None
             for m, c in term.items():
-                _accumulate(result, m, c)
-        return _short(result)
+                accumulate(result, m, c)
+        return short(result)
 
     def _opens(self, atom: int, exponent: float) -> bool:
         return atom in self._sums and exponent in (1.0, 2.0, 3.0)
@@ -260,20 +268,20 @@ class Simplifier:
 
     def _together(self, poly: Polynomial) -> Polynomial | None:
         """The sum over one denominator, with common factors cancelled; None where there is no denominator."""
-        bottom = tuple((a, e) for a, e in _least(poly) if e < 0 and a in self._sums)
+        bottom = tuple((a, e) for a, e in least_exponents(poly) if e < 0 and a in self._sums)
         if not bottom:
             return None
-        top = self._expanded({_joined(m, _raised(bottom, -1.0)): c for m, c in poly.items()})
+        top = self._expanded({joined(m, raised(bottom, -1.0)): c for m, c in poly.items()})
         if top is None:
             return None
         left: list[tuple[int, float]] = []
         for atom, exponent in bottom:
             rest = exponent
-            while rest < 0 and (quotient := _quotient(top, self._sums[atom])) is not None:
-                top, rest = quotient, rest + 1.0
+            while rest < 0 and (divided := quotient(top, self._sums[atom])) is not None:
+                top, rest = divided, rest + 1.0
             if rest < 0:
                 left.append((atom, rest))
-        return {_joined(m, tuple(left)): c for m, c in top.items()}
+        return {joined(m, tuple(left)): c for m, c in top.items()}
 
     def _written(self, poly: Polynomial) -> Expr:
         """The sum as an expression, grouped by denominators, by parameters, then by variables."""
@@ -283,7 +291,7 @@ class Simplifier:
         groups: dict[Monomial, list[tuple[Monomial, float]]] = {}
         for monomial, coefficient in terms:
             below = tuple((a, e) for a, e in monomial if e < 0 and a in self._sums)
-            groups.setdefault(below, []).append((_joined(monomial, _raised(below, -1.0)), coefficient))
+            groups.setdefault(below, []).append((joined(monomial, raised(below, -1.0)), coefficient))
         if len(groups) == 1 and () in groups:
             return self._summed(self._grouped(terms))
         parts: list[tuple[Expr, float]] = []
@@ -292,7 +300,7 @@ class Simplifier:
                 parts.extend(self._grouped(members))
                 continue
             ((shared, scale),) = self._factored(dict(members)).items()
-            parts.append(self._signed(_joined(shared, below), scale))
+            parts.append(self._signed(joined(shared, below), scale))
         return self._summed(parts)
 
     def _grouped(self, terms: list[tuple[Monomial, float]]) -> list[tuple[Expr, float]]:
@@ -313,7 +321,7 @@ class Simplifier:
                     left.extend(members)
                     continue
                 scale = magnitude or 1.0
-                inner = {_joined(m, _raised(shared, -1.0)): c / scale for m, c in members}
+                inner = {joined(m, raised(shared, -1.0)): c / scale for m, c in members}
                 if by_parameters and () in inner:
                     left.extend(members)
                     continue
@@ -328,7 +336,7 @@ class Simplifier:
     def _bracket(self, inner: Polynomial) -> tuple[Expr, float]:
         """A sum in brackets, with a positive sign where one of its terms has one."""
         sign = -1.0 if all(c < 0 for c in inner.values()) else 1.0
-        return self._summed(self._grouped(list(_scaled(inner, sign).items()))), sign
+        return self._summed(self._grouped(list(scaled(inner, sign).items()))), sign
 
     def _split(self, monomial: Monomial) -> tuple[Monomial, Monomial]:
         fixed = tuple((a, e) for a, e in monomial if self._fixed[a])
@@ -350,7 +358,7 @@ class Simplifier:
             for factor in monomial:
                 inner = self._sums.get(factor[0], {})
                 if factor[1] == 1.0 and any(c < 0 for c in inner.values()):
-                    bracket, sign = self._bracket(_scaled(inner, -1.0))
+                    bracket, sign = self._bracket(scaled(inner, -1.0))
                     rest = tuple(other for other in monomial if other is not factor)
                     return self._term(rest, -coefficient, bracket), sign
         return self._term(monomial, abs(coefficient)), 1.0 if coefficient > 0 else -1.0
@@ -406,94 +414,3 @@ def _below(expr: Expr, known: Mapping[Expr, object]) -> list[Expr]:
         stack.append((node, True))
         stack.extend((arg, False) for arg in reversed(node.args))
     return order
-
-
-def _accumulate(poly: Polynomial, monomial: Monomial, coefficient: float) -> None:
-    before = poly.get(monomial, 0.0)
-    after = before + coefficient
-    if abs(after) <= ROUNDING * max(abs(before), abs(coefficient)):
-        poly.pop(monomial, None)
-    else:
-        poly[monomial] = after
-
-
-def _sum(a: Polynomial, b: Polynomial, sign: float) -> Polynomial:
-    result = dict(a)
-    for monomial, coefficient in b.items():
-        _accumulate(result, monomial, sign * coefficient)
-    return result
-
-
-def _scaled(poly: Polynomial, factor: float) -> Polynomial:
-    return {monomial: factor * coefficient for monomial, coefficient in poly.items()}
-
-
-def _short(poly: Polynomial) -> Polynomial | None:
-    return poly if len(poly) <= MOST_TERMS else None
-
-
-def _joined(a: Monomial, b: Monomial) -> Monomial:
-    """The product of two products."""
-    if not a or not b:
-        return a or b
-    exponents = dict(a)
-    for atom, exponent in b:
-        exponents[atom] = exponents.get(atom, 0.0) + exponent
-    return tuple(sorted((atom, exponent) for atom, exponent in exponents.items() if exponent))
-
-
-def _raised(monomial: Monomial, exponent: float) -> Monomial:
-    return tuple((atom, e * exponent) for atom, e in monomial)
-
-
-def _common(poly: Polynomial) -> Monomial:
-    """What all terms share: factors above in all of them, or below in all of them."""
-    shared: dict[int, float] | None = None
-    for monomial in poly:
-        here = dict(monomial)
-        if shared is None:
-            shared = here
-            continue
-        shared = {
-            atom: min(exponent, here[atom], key=abs)
-            for atom, exponent in shared.items()
-            if atom in here and (exponent > 0) == (here[atom] > 0)
-        }
-    return tuple(sorted((shared or {}).items()))
-
-
-def _least(poly: Polynomial) -> Monomial:
-    """The least exponent of every atom, at most zero: what a common denominator takes away."""
-    least: dict[int, float] = {}
-    for monomial in poly:
-        for atom, exponent in monomial:
-            if exponent < least.get(atom, 0.0):
-                least[atom] = exponent
-    return tuple(sorted(least.items()))
-
-
-def _quotient(top: Polynomial, bottom: Polynomial) -> Polynomial | None:
-    """The exact quotient of two sums; None where the division leaves something."""
-    lift = _least({**top, **dict.fromkeys(bottom, 1.0)})
-    rest = {_joined(m, _raised(lift, -1.0)): c for m, c in top.items()}
-    divisor = {_joined(m, _raised(lift, -1.0)): c for m, c in bottom.items()}
-    lead = max(divisor, key=_lexical)
-    result: Polynomial = {}
-    for _ in range(4 * MOST_TERMS):
-        if not rest:
-            return result
-        first = max(rest, key=_lexical)
-        factor = _joined(first, _raised(lead, -1.0))
-        if any(exponent < 0 for _, exponent in factor):
-            return None
-        scale = rest[first] / divisor[lead]
-        result[factor] = scale
-        for monomial, coefficient in divisor.items():
-            _accumulate(rest, _joined(factor, monomial), -scale * coefficient)
-        rest.pop(first, None)
-    return None
-
-
-def _lexical(monomial: Monomial) -> tuple[tuple[int, float], ...]:
-    """An order of products that multiplication keeps: by the exponent of the atom with the least number first."""
-    return tuple((-atom, exponent) for atom, exponent in monomial)
