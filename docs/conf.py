@@ -4,7 +4,8 @@ import re
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
 
 project = "propermodel"
 author = "propermodel developers"
@@ -13,7 +14,6 @@ myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "propermodel"
-suppress_warnings = ["toc.empty_glob"]
 exclude_patterns = ["_build", "decisions"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
@@ -60,6 +60,16 @@ def _in_field(lines: list[str], number: int) -> bool:
     return False
 
 
+def add_loose_pages(app: object, docname: str, source: list[str]) -> None:
+    """Put top-level pages that the index does not name at the end of its last table of contents."""
+    if docname == "index":
+        named = set(source[0].splitlines())
+        loose = sorted({page.stem for page in DOCS.glob("*.md")} - named - {"index"})
+        head, fence, tail = source[0].rpartition("```")
+        source[0] = head + "".join(f"{name}\n" for name in loose) + fence + tail
+
+
 def setup(app: object) -> None:
-    """After napoleon has made fields of arguments and errors."""
+    """Escape docstrings after napoleon has made fields of arguments and errors."""
     app.connect("autodoc-process-docstring", escape_docstring, priority=900)  # type: ignore[attr-defined]
+    app.connect("source-read", add_loose_pages)  # type: ignore[attr-defined]
