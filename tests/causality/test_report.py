@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path as FilePath
+
 import pytest
 
 from propermodel.causality.report import WIDTH, CausalReport, explain_causality
+from propermodel.cli.models import load_subject
 from propermodel.compiler import compile_model
 from propermodel.diagnostics import Path, parse_path
 from propermodel.equations.system import BlockKind
@@ -12,6 +15,7 @@ from propermodel.modelling import Component, elaborate
 from propermodel.modelling.model import Variable
 from tests import textbooks
 
+EXAMPLES = sorted((FilePath(__file__).parents[2] / "examples").glob("*.py"))
 MODELS = [
     textbooks.SeriesCircuit,
     textbooks.Motor,
@@ -187,3 +191,14 @@ def test_a_long_chain_is_explained():
     assert len(report.causal.integral) == 600
     assert not report.loops
     assert len(report.explanation().splitlines()) < 20 * 300
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_every_example_is_explained(file: FilePath):
+    compiled = compile_model(load_subject(str(file)).model)
+    report = explain_causality(compiled)
+    is_implicit = compiled.system.blocks or any(BlockKind.LOOP in block.kinds for block in compiled.system.solved)
+    assert bool(report.loops) is bool(is_implicit)
+    assert max(map(len, (*report.text().splitlines(), *report.explanation().splitlines()))) <= WIDTH
+    assert {item.storage for item in report.dependent} == set(report.causal.derivative)
+    assert all(item.paths for item in report.dependent)

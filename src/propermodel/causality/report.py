@@ -71,14 +71,13 @@ class CausalReport:
         places = [self._short(row.sets_effort) for row in self.rows]
         others = [self._short(row.sets_flow) for row in self.rows]
         widths = [max(map(len, column), default=0) for column in (places, others)]
-        digits = len(str(len(self.rows)))
-        head = f"{'bond':>4}  {'effort set by':<{widths[0]}}  {'flow set by':<{widths[1]}}  {'order':>5}  because"
-        lines = [head]
-        for row, effort, flow in zip(self.rows, places, others, strict=True):
-            lines.append(
-                f"{row.number:>{max(4, digits)}}  {effort:<{widths[0]}}  {flow:<{widths[1]}}  {row.order:>5}  "
-                f"{self._because(row)}"
-            )
+        lines = [f"{'bond':>4}  {'effort set by':<{widths[0]}}  {'flow set by':<{widths[1]}}  order  because"]
+        reasons = [self._because(row) for row in self.rows]
+        # Where names are long the reason stands below.
+        is_wide = 17 + sum(widths) + max(map(len, reasons), default=0) > WIDTH
+        for row, effort, flow, reason in zip(self.rows, places, others, reasons, strict=True):
+            line = f"{row.number:>4}  {effort:<{widths[0]}}  {flow:<{widths[1]}}  {row.order:>5}"
+            lines += [line, f"{'':6}{reason}"] if is_wide else [f"{line}  {reason}"]
         return "\n".join(lines)
 
     def explanation(self) -> str:
