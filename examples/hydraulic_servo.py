@@ -33,7 +33,7 @@ class PositionServo(pm.Component):
         pm.connect(valve.b, cylinder.rod_side),
         pm.connect(cylinder.rod, load.flange, friction.a, sensor.flange),
         pm.connect(friction.b, frame.flange),
-        pm.connect((wanted - sensor.position) / pm.quantity(0.02, "m"), valve.opening),
+        pm.connect((wanted - sensor.position) / pm.quantity(0.1, "m"), valve.opening),
     )
 
 
@@ -43,7 +43,7 @@ OUTPUTS = ("sensor.position", "cylinder.head_oil.port.effort")
 def scenario() -> pm.Scenario:
     """Ten centimetres, reached over a ramp of half a second."""
     wanted = pm.table_values([[0.0, 0.1, 0.6, 9.0]], [0.0, 0.0, 0.1, 0.1])
-    return pm.Scenario(name="ramp", stop=1.2, inputs={"supply_pressure": 1e7, "wanted": wanted})
+    return pm.Scenario(name="ramp", stop=2.0, inputs={"supply_pressure": 1e7, "wanted": wanted})
 
 
 def run(model: pm.Model) -> pm.Trajectory:
