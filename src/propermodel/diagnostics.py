@@ -75,6 +75,7 @@ class Source:
 
 
 NO_SOURCE = Source("", 0)
+MOST_OFFERED = 8  # names listed where none is near
 
 
 def portable_file(file: str) -> str:
@@ -203,3 +204,11 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """A sentence that offers the nearest known name, or nothing."""
     matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f"did you mean '{matches[0]}'?" if matches else ""
+
+
+def one_of(name: str, known: Iterable[str], otherwise: str = "there are none") -> str:
+    """A sentence that offers the nearest known name, or a few of those there are."""
+    names = list(known)
+    rest = f" and {len(names) - MOST_OFFERED} more" if len(names) > MOST_OFFERED else ""
+    listed = f"there are {', '.join(names[:MOST_OFFERED])}{rest}" if names else otherwise
+    return nearest(name, names) or listed

@@ -274,7 +274,8 @@ def test_a_run_in_which_nothing_moves_is_refused():
     with pytest.raises(ReductionError) as caught:
         rank_activity(r)
     assert str(caught.value) == (
-        "error[activity/none]: nothing is active in scenario 'scenario': no element exchanges energy"
+        "error[activity/none]: nothing is active in scenario 'scenario': no element exchanges energy\n"
+        "  help: give the scenario inputs or starts that make something move, or a later stop"
     )
 
 

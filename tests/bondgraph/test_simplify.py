@@ -228,9 +228,12 @@ def test_a_source_against_a_ground_is_named():
         flatten(elaborate(Shorted()))
     (fault,) = caught.value.diagnostics
     assert fault.code == "structure/source-shorted"
-    assert fault.message == "motion prescribes the flow of a bond that cannot have one"
-    assert fault.help == "a flow of zero is prescribed on the same junction: take one of the two away"
-    assert [(i.path, i.role) for i in fault.involved] == [("motion", "is an flow source")]
+    assert fault.message == "motion prescribes the flow where wall holds it at zero"
+    assert fault.help == "take one of the two away, or put a part between them that takes the difference of flow"
+    assert [(i.path, i.role) for i in fault.involved] == [
+        ("motion", "prescribes its flow"),
+        ("wall", "holds it at zero (its Sf is 0)"),
+    ]
 
 
 @given(rigs())

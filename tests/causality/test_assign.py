@@ -300,12 +300,12 @@ class ForcedDrag(Component):
 
 def test_law_that_is_not_offered_is_named():
     fault = fault_of(ForcedDrag())
-    assert fault.message == "drag cannot have the causality it needs"
+    assert fault.message == "nothing sets the velocity of one junction: every bond prescribes its other variable"
     assert [(i.path, i.role) for i in fault.involved] == [
         ("push", "prescribes its force"),
         ("drag", "offers a law for port.effort only"),
     ]
-    assert fault.help == "give the element a law for the other causality, or put storage between it and the cause"
+    assert fault.help == "connect an inertia, or a resistance, whose law gives the velocity"
     assert all(str(i.source).startswith("tests/causality/test_assign.py:") for i in fault.involved)
 
 

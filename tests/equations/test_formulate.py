@@ -321,8 +321,10 @@ def test_dependent_storage_without_an_inverse_law_is_named():
         equations_of(TwoHardSprings())
     (fault,) = caught.value.diagnostics
     assert fault.code == "causality/no-inverse"
-    assert fault.message == "the storage second depends on others, and its law cannot be inverted"
-    assert fault.help == "offer the inverse law, displacement(effort) or momentum(flow)"
+    assert fault.message == "the force of the storage second is decided elsewhere, and its law cannot be inverted"
+    assert fault.help == (
+        "offer the inverse law displacement(effort), or put a part between that lets it have its own force"
+    )
     assert str(fault.source).startswith("tests/equations/test_formulate.py:")
 
 

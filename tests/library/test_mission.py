@@ -108,5 +108,5 @@ def test_misspellings_are_named():
         mission("fmtv_mixd")
     with pytest.raises(ModelError, match="a section is one of city, highway, cross-country"):
         mission("fmtv_mixed", roughness={"motorway": "A"})
-    with pytest.raises(ModelError, match="lasts 2200 s, not 3000 s"):
+    with pytest.raises(ModelError, match="lasts 2200 s; it cannot end at 3000 s"):
         mission("fmtv_mixed", until=3000.0)

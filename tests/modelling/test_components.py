@@ -233,7 +233,7 @@ def test_missing_parameter_is_reported_where_the_part_stands():
 def test_value_outside_its_range_is_reported(value):
     (fault,) = faults_of(QuarterCar(body_mass=value))
     assert fault.code == "model/parameter-range"
-    assert fault.message == f"quarter_car: 'body_mass' is {value:g} kg, outside 100 to 5000"
+    assert fault.message == f"quarter_car: 'body_mass' = {value:g} kg lies outside its range 100 to 5000"
 
 
 def test_range_is_in_the_declared_unit():
@@ -242,7 +242,7 @@ def test_range_is_in_the_declared_unit():
 
     assert elaborate(Bottle(pressure=9.5)).root.values[0][1].data == (9.5e5, "")
     (fault,) = faults_of(Bottle(pressure=11.0))
-    assert fault.message == "bottle: 'pressure' is 11 bar, outside 1 to 10"
+    assert fault.message == "bottle: 'pressure' = 11 bar lies outside its range 1 to 10"
 
 
 def test_several_faults_are_raised_at_once():

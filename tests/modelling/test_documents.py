@@ -369,7 +369,8 @@ def changed(*keys: Any, to: Any) -> Any:
 def test_other_format():
     assert str(refused(changed("format", to="something-else"))) == (
         "error[document/format]: expected a document of format 'propermodel-model'; "
-        "its format is the text 'something-else'"
+        "its format is 'something-else'\n"
+        "  help: is it a document of this package?"
     )
     assert "its format is missing" in str(refused({}))
     for wrong in (None, [], 3, "model"):

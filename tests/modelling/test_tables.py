@@ -46,10 +46,10 @@ def test_numbers_of_a_table_are_exchanged_with_its_values():
 @pytest.mark.parametrize(
     ("grids", "values", "message"),
     [
-        ([[0.0]], [1.0], "the grid of a table must have two or more strictly growing points"),
-        ([[0.0, 0.0]], [1.0, 2.0], "the grid of a table must have two or more strictly growing points"),
-        ([[0.0, math.nan]], [1.0, 2.0], "the grid of a table must have two or more strictly growing points"),
-        ([[0.0, math.inf]], [1.0, 2.0], "the grid of a table must have two or more strictly growing points"),
+        ([[0.0]], [1.0], "the grid of a table must have two or more strictly growing, finite points"),
+        ([[0.0, 0.0]], [1.0, 2.0], "the grid of a table must have two or more strictly growing, finite points"),
+        ([[0.0, math.nan]], [1.0, 2.0], "the grid of a table must have two or more strictly growing, finite points"),
+        ([[0.0, math.inf]], [1.0, 2.0], "the grid of a table must have two or more strictly growing, finite points"),
         ([[0.0, 1.0]], [1.0], "a table on this grid needs 2 finite values, 1 were given"),
         ([[0.0, 1.0]], [1.0, math.nan], "a table on this grid needs 2 finite values, 2 were given"),
         ([[0.0, 1.0], [0.0, 1.0, 2.0]], [0.0] * 5, "a table on this grid needs 6 finite values, 5 were given"),

@@ -300,7 +300,8 @@ def test_faults_in_the_list_of_removals_are_named():
     )
     twice = parse_path("wheel.flange")
     assert fault(ZeroEffort(twice), ZeroFlow(twice)) == (
-        "error[reduction/removed-twice]: 'wheel.flange' is removed 2 times"
+        "error[reduction/removed-twice]: 'wheel.flange' is removed 2 times\n"
+        "  help: keep one of the removals that name this bond"
     )
     inner = next(name for name in compiled(model).graph.normal.bonds if name.name == "carried")
     assert f"'{inner}' joins two junctions: there is no element to drive or to hold constant" in fault(

@@ -155,7 +155,8 @@ def test_an_unknown_parameter_is_named_with_the_nearest(rig):
 )
 def test_a_parameter_outside_its_range_is_refused(rig, value, text):
     assert refused(rig, parameters={"mass_value": value}) == (
-        f"error[simulation/parameter-range]: 'mass_value' = {text} kg lies outside 0.1 to 10"
+        f"error[simulation/parameter-range]: 'mass_value' = {text} kg lies outside 0.1 to 10\n"
+        "  help: give a finite value in SI inside the range, which stands where the parameter is declared"
     )
 
 

@@ -57,7 +57,11 @@ class ActivityRanking:
             ReductionError: the threshold is not a share between 0 and 1.
         """
         if not 0.0 <= threshold <= 1.0:
-            raise ReductionError.of("reduction/threshold", f"the threshold is {threshold}, not a share between 0 and 1")
+            raise ReductionError.of(
+                "reduction/threshold",
+                f"the threshold is {threshold:g}, not a share between 0 and 1",
+                help="write 0.99 for 99 percent",
+            )
         kept: list[ActivityRow] = []
         share = 0.0
         for row in self.rows:
@@ -113,6 +117,7 @@ def rank_activity(
         raise ReductionError.of(
             "activity/none",
             f"nothing is active in scenario '{trajectory.scenario.name}': no element exchanges energy",
+            help="give the scenario inputs or starts that make something move, or a later stop",
         )
     discretisation = None if refined is None else _compare_steps(trajectory, refined, activities, window)
     by_row = {row.path: row for row in trajectory.compiled.system.rows}
@@ -146,7 +151,11 @@ def rank_activity(
 
 def _check(trajectory: Trajectory) -> None:
     if not trajectory.ending.is_complete:
-        raise ReductionError.of("activity/incomplete", f"the run did not reach its end: {trajectory.ending.message}")
+        raise ReductionError.of(
+            "activity/incomplete",
+            f"the run did not reach its end: {trajectory.ending.message}",
+            help="rank a run that is complete: cure the failure (a smaller step?), or let the scenario stop earlier",
+        )
     graph = trajectory.compiled.graph
     bonds = [graph.normal.bonds[name] for row in trajectory.compiled.system.rows for name in row.bonds]
     pseudo = [bond for bond in bonds if not graph.domains[bond.domain].is_true]

@@ -23,7 +23,7 @@ from propermodel.bondgraph.nodes import Nodes
 from propermodel.bondgraph.removals import make_removals
 from propermodel.bondgraph.scope import Scope
 from propermodel.bondgraph.simplify import normalise
-from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, nearest
+from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, one_of
 from propermodel.expressions.core import TIME, Expr, SymbolKind, constant, lookup, symbol
 from propermodel.modelling.domains import Shared
 from propermodel.modelling.model import (
@@ -140,9 +140,9 @@ class _Flattening:
                 self.faults.add(
                     Diagnostic(
                         "model/missing-parameter",
-                        f"'{path / data.name}' has no value",
+                        f"the parameter '{path / data.name}' has no value",
                         source=part.source,
-                        help=f"give it a value in {data.unit}",
+                        help=f"give it a value in {data.unit or '1'}",
                     )
                 )
                 value = constant(0.0)
@@ -258,7 +258,7 @@ class _Flattening:
                         "model/unknown-signal",
                         f"'{target}' is not an input or output",
                         source=source,
-                        help=nearest(str(target), (str(path) for path in by_path)),
+                        help=one_of(str(target), map(str, by_path), "this model has no inputs or outputs"),
                     )
                 )
 
@@ -488,6 +488,6 @@ class _Flattening:
                     Diagnostic(
                         "reduction/unknown-removal",
                         f"a removal freezes '{path}', which is no signal of this model",
-                        help=nearest(str(path), (str(p) for p in known)),
+                        help=one_of(str(path), map(str, known), "this model has no signals"),
                     )
                 )

@@ -9,7 +9,7 @@ from dataclasses import replace
 from propermodel.bondgraph.graph import Bond, Element, End
 from propermodel.bondgraph.net import Net
 from propermodel.bondgraph.simplify import Zero, normalise
-from propermodel.diagnostics import Diagnostic, Faults, Path, ReductionError, nearest
+from propermodel.diagnostics import Diagnostic, Faults, Path, ReductionError, one_of
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, constant, symbol
 from propermodel.modelling.domains import DomainData
 from propermodel.modelling.model import (
@@ -42,7 +42,13 @@ def make_removals(net: Net, domains: Mapping[str, DomainData], removals: tuple[R
     faults = Faults(ReductionError)
     for name, count in Counter(removal.bond for removal in pending).items():
         if count > 1:
-            faults.add(Diagnostic("reduction/removed-twice", f"'{name}' is removed {count} times"))
+            faults.add(
+                Diagnostic(
+                    "reduction/removed-twice",
+                    f"'{name}' is removed {count} times",
+                    help="keep one of the removals that name this bond",
+                )
+            )
     faults.raise_if_any()
     while pending:
         possible = [removal for removal in pending if removal.bond in net.bonds]
@@ -53,7 +59,7 @@ def make_removals(net: Net, domains: Mapping[str, DomainData], removals: tuple[R
                         Diagnostic(
                             "reduction/unknown-removal",
                             f"a removal names '{removal.bond}', which is no bond of the model in normal form",
-                            help=nearest(str(removal.bond), (str(name) for name in net.bonds)),
+                            help=one_of(str(removal.bond), map(str, net.bonds), "there are no bonds left"),
                         )
                     )
             break

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
+from itertools import islice
 
 from propermodel.bondgraph.graph import Bond, Element, End, Junction
 from propermodel.bondgraph.net import Net
@@ -17,14 +18,49 @@ from propermodel.modelling.model import ElementKind, JunctionKind, PowerSource, 
 
 Zero = tuple[Path, Variable]  # a bond and which of its variables vanishes
 
+_SOURCES = frozenset({ElementKind.EFFORT_SOURCE, ElementKind.FLOW_SOURCE})
+
+
+class _Shorted(Exception):
+    """A source prescribes what must vanish."""
+
+    def __init__(self, element: Element, variable: Variable) -> None:
+        super().__init__(str(element.path))
+        self.element = element
+        self.variable = variable
+
+    def explained(self, culprit: Element | None) -> StructureError:
+        """The error for its author; `culprit` is the source that prescribes zero, where it is one."""
+        element, variable = self.element, self.variable
+        involved = [Involved(str(element.path), f"prescribes its {variable}", element.source)]
+        if culprit is not None:
+            involved.append(Involved(str(culprit.path), f"holds it at zero (its {culprit.kind} is 0)", culprit.source))
+        holder = culprit.path if culprit else "a removal"
+        return StructureError.of(
+            "structure/source-shorted",
+            f"{element.path} prescribes the {variable} where {holder} holds it at zero",
+            source=element.source,
+            involved=involved,
+            help=f"take one of the two away, or put a part between them that takes the difference of {variable}",
+        )
+
 
 def normalise(net: Net, zeros: list[Zero]) -> None:
     """Bring the net to normal form, starting from bonds that are known to carry no effort or no flow."""
     removed = {name for name, _ in zeros}
     pending = deque([*zeros, *_zero_sources(net)])
+    sources = {bond.name: e for e in net.elements.values() if e.kind in _SOURCES for bond in net.bonds_at(e.path)}
+    origin: dict[Path, Path] = {}  # bond that must vanish: the bond that it follows from
     while True:
         while pending:
-            _spread(net, pending.popleft(), pending, removed)
+            zero = pending.popleft()
+            before = len(pending)
+            try:
+                _spread(net, zero, pending, removed)
+            except _Shorted as shorted:
+                raise shorted.explained(sources.get(origin.get(zero[0], zero[0]))) from None
+            for name, _ in islice(pending, before, None):
+                origin.setdefault(name, origin.get(zero[0], zero[0]))
         pending.extend(_dead_ends(net))
         if pending:
             continue
@@ -107,13 +143,7 @@ def _spread_into_element(net: Net, bond: Bond, end: End, variable: Variable, pen
     if isinstance(element.behaviour, PowerSource):
         prescribed = Variable.EFFORT if element.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
         if prescribed is variable and not is_zero(element.behaviour.value):
-            raise StructureError.of(
-                "structure/source-shorted",
-                f"{element.path} prescribes the {variable} of a bond that cannot have one",
-                source=element.source,
-                involved=[Involved(str(element.path), f"is an {variable} source", element.source)],
-                help=f"a {variable} of zero is prescribed on the same junction: take one of the two away",
-            )
+            raise _Shorted(element, variable)
         net.drop_node(element.path)
         return
     if len(element.ports) == 1:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Stroke, Why
-from propermodel.diagnostics import Diagnostic, Involved, Path, StructureError
+from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path, StructureError
 from propermodel.modelling.model import (
     ElementKind,
     JunctionKind,
@@ -278,12 +278,14 @@ class Assignment:
         causes = {conflict.place, element.path}
         causes.update(self.strokes[b.name].cause for b in conflict.bonds if b.name in self.strokes)
         elements = [e for e in self.structure.elements.values() if e.path in causes]
-        kinds = {e.kind for e in elements}
         place = conflict.place
-        if place in self.structure.elements and kinds <= {ElementKind.EFFORT_SOURCE, ElementKind.FLOW_SOURCE}:
-            # A source that meets a stroke already there: what they contradict each other about is the junction.
-            place = self.at[place][0].other(place).owner
+        if place in self.structure.elements and len(self.at[place]) == 1:
+            # A one-port that meets a stroke already there: what they contradict each other about is the junction.
+            other = self.at[place][0].other(place).owner
+            place = other if other in self.structure.junctions else place
         junction = self.structure.junctions.get(place)
+        kinds = {e.kind for e in elements}
+        given = {self.gives(e) for e in elements}
         if junction is not None and kinds == {_SETS[junction.kind]} and len(elements) > 1:
             variable = self.word(self.at[place][0], junction.kind.common)
             what = "flow" if junction.kind is JunctionKind.ONE else "effort"
@@ -294,7 +296,7 @@ class Assignment:
                 else "put a resistance or inertia between them, or make one of them a flow source"
             )
         elif junction is not None and (
-            kinds == {_SETS[junction.kind.dual]} or self.strong_bond(place, junction.kind) is None
+            given == {junction.kind.common.other} or self.strong_bond(place, junction.kind) is None
         ):
             variable = self.word(self.at[place][0], junction.kind.common)
             message = f"nothing sets the {variable} of one junction: every bond prescribes its other variable"
@@ -302,12 +304,22 @@ class Assignment:
             cure = f"connect {what}, or a resistance, whose law gives the {variable}"
         else:
             forced = self.structure.elements.get(place, element)
-            message = f"{forced.path} cannot have the causality it needs"
+            others = ", ".join(str(e.path) for e in elements if e is not forced) or "the rest of the model"
+            message = f"{forced.path} cannot have the causality it needs: {others} forces the other one"
             cure = "give the element a law for the other causality, or put storage between it and the cause"
         where = f"{place} ({junction.kind}-junction)" if junction else str(place)
         source = junction.source if junction and junction.source.line else element.source
         involved = tuple(Involved(str(e.path), self.role(e), e.source) for e in elements)
         return StructureError([Diagnostic("causality/conflict", message, where, source, involved, cure)])
+
+    def gives(self, element: Element) -> Variable | None:
+        """The variable that a one-port can only give, not take."""
+        behaviour = element.behaviour
+        if isinstance(behaviour, PowerSource):
+            return Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
+        if isinstance(behaviour, Resistive) and len(behaviour.laws) == 1 and len(behaviour.laws[0].results) == 1:
+            return behaviour.laws[0].results[0].variable
+        return None
 
     def word(self, bond: Bond, variable: Variable) -> str:
         """What an effort or flow is called in the domain of a bond."""
@@ -330,14 +342,18 @@ class Assignment:
     def no_inverse(self, element: Element) -> StructureError:
         """The error for dependent storage whose law cannot be inverted."""
         cause = next(self.strokes[b.name].cause for b in self.at[element.path])
+        decides = self.structure.elements.get(cause)
+        law = "displacement(effort)" if element.kind is ElementKind.COMPLIANCE else "momentum(flow)"
+        variable = Variable.EFFORT if element.kind is ElementKind.COMPLIANCE else Variable.FLOW
+        word = self.word(self.at[element.path][0], variable)
         return StructureError(
             [
                 Diagnostic(
                     "causality/no-inverse",
-                    f"the storage {element.path} depends on others, and its law cannot be inverted",
+                    f"the {word} of the storage {element.path} is decided elsewhere, and its law cannot be inverted",
                     source=element.source,
-                    involved=(Involved(str(cause), "decides its effort or flow"),),
-                    help="offer the inverse law, displacement(effort) or momentum(flow)",
+                    involved=(Involved(str(cause), f"decides its {word}", decides.source if decides else NO_SOURCE),),
+                    help=f"offer the inverse law {law}, or put a part between that lets it have its own {word}",
                 )
             ]
         )

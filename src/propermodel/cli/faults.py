@@ -41,7 +41,13 @@ class Commands(TyperGroup):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(0) from None
         except OSError as error:
-            print_diagnostics([Diagnostic("command/file", f"{error.strerror or error}: {error.filename or ''}")])
+            print_diagnostics(
+                [
+                    Diagnostic(
+                        "command/file", f"{error.strerror or error}: {error.filename or ''}", help="check the path"
+                    )
+                ]
+            )
             raise typer.Exit(MISUSE) from None
 
 

@@ -217,7 +217,9 @@ def import_file(file: str) -> ModuleType:
     """
     path = FilePath(file).resolve()
     if not path.is_file():
-        raise CommandError.of("command/file", f"there is no file '{file}'")
+        raise CommandError.of(
+            "command/file", f"there is no file '{file}'", help="check the path; it counts from the working directory"
+        )
     folder = str(path.parent)
     if folder not in sys.path:
         sys.path.insert(0, folder)
@@ -237,6 +239,7 @@ def import_file(file: str) -> ModuleType:
                     "command/import",
                     f"the file cannot be imported: {type(error).__name__}: {error}",
                     source=_where(error, path, file),
+                    help="run the file with python first: it must import without errors",
                 )
             ]
         ) from error
@@ -305,12 +308,20 @@ def _as_model(value: Any, text: str) -> Model:
     if isinstance(made, Component):
         made = elaborate(made)
     if not isinstance(made, Model):
-        raise CommandError.of("command/model", f"'{text}' gives {type(made).__name__}, which is no component or model")
+        raise CommandError.of(
+            "command/model",
+            f"'{text}' gives {type(made).__name__}, which is no component or model",
+            help="name a Component class, a Model, or a function that gives one",
+        )
     return made
 
 
 def _as_scenario(value: Any, text: str) -> Scenario:
     made = value() if callable(value) else value
     if not isinstance(made, Scenario):
-        raise CommandError.of("command/scenario", f"'{text}' gives {type(made).__name__}, which is no scenario")
+        raise CommandError.of(
+            "command/scenario",
+            f"'{text}' gives {type(made).__name__}, which is no scenario",
+            help="name a Scenario or a function that gives one",
+        )
     return made

@@ -65,13 +65,18 @@ def parse_unit(text: str) -> Unit:
     except Exception as error:
         raise ModelError.of(
             "unit/unknown",
-            f"'{text}' is not a unit ({type(error).__name__}: {error})",
+            f"'{text}' is not a unit{_reason(error)}",
             help="write units as N.m/rad, Pa.s2/m6, kJ/(kg.K)",
         ) from error
     powers = {str(name): float(power) for name, power in quantity.unit_items()}
     powers.pop("radian", None)
     dimension = tuple(sorted((name, power) for name, power in powers.items() if power))
     return Unit(text, float(quantity.magnitude), dimension)
+
+
+def _reason(error: Exception) -> str:
+    """Why a text is not a unit, where the reason is in the words of the person who wrote it."""
+    return f": {error}" if type(error) is ValueError or type(error).__name__ == "UndefinedUnitError" else ""
 
 
 def dimension_text(dimension: Dimension) -> str:

@@ -36,7 +36,7 @@ def faults_of(model: Model) -> list[Diagnostic]:
     domains = {domain.name: domain for domain in model.domains}
     found: list[Diagnostic] = []
     if len(domains) < len(model.domains):
-        found.append(Diagnostic(CODE, "two domains have one name", "domains"))
+        found.append(Diagnostic(CODE, "two domains have one name", "domains", help="rename one of them"))
     for definition in definitions_of(model.root):
         found.extend(_Check(definition, domains).run())
     root = model.root
@@ -101,7 +101,8 @@ class _Check:
     def fault(self, message: str, help: str = "", source: Source | None = None) -> None:
         """Remember a fault."""
         d = self.definition
-        self.found.append(Diagnostic(CODE, message, d.type_name, source or d.source, help=help))
+        cure = help or f"name what {d.type_name} and its direct parts declare, each once and with its own unit"
+        self.found.append(Diagnostic(CODE, message, d.type_name, source or d.source, help=cure))
 
     def check_ports(self) -> None:
         """Domains exist, and differences are between two plain ports of the same domain."""

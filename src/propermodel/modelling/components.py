@@ -6,11 +6,12 @@ so that nothing is named twice.
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, Generic, Self, TypeVar, dataclass_transform, overload
 
-from propermodel.diagnostics import Involved, ModelError, Path, Source, nearest, portable_file
+from propermodel.diagnostics import Involved, ModelError, Path, Source, one_of, portable_file
 from propermodel.expressions.core import Expr, ExprLike, SymbolKind, as_expr, lookup
 from propermodel.expressions.units import parse_unit
 from propermodel.modelling.domains import Domain
@@ -76,7 +77,11 @@ def parameter(
     Numbers are in `unit`; a range `low` to `high` is checked when values are given. `status` says how sure
     the value is: published, derived, estimated.
     """
-    value = None if default is None else in_unit(default, unit)
+    site = call_site(1)
+    try:
+        value = None if default is None else in_unit(default, unit)
+    except ModelError as error:
+        raise ModelError([dataclasses.replace(d, source=site) for d in error.diagnostics]) from None
     return Parameter(unit, value, low, high, source, status, doc)
 
 
@@ -219,8 +224,8 @@ class Component:
                 elif name in declarations:
                     del declarations[name]
         cls.declarations = declarations
-        cls.names = _names(cls, declarations)
         frame = call_site(1)
+        cls.names = _names(cls, declarations, frame)
         cls.defined_at = Source(frame.file, cls.__dict__.get("__firstlineno__", frame.line))
 
     defined_at: ClassVar[Source] = Source("", 0)
@@ -235,7 +240,7 @@ class Component:
                     f"{type(self).__name__} has no parameter '{name}'",
                     source=site,
                     involved=[Involved(n, "is a parameter of it", self.defined_at) for n in sorted(known)],
-                    help=nearest(name, known),
+                    help=one_of(name, sorted(known), "it has no parameters"),
                 )
         self._set(root=self, path=Path(), values=values, replaced={}, source=site)
 
@@ -277,7 +282,7 @@ class Component:
         return type(self).names[id(declared)]
 
 
-def _names(cls: type, declarations: Mapping[str, Any]) -> dict[int, str]:
+def _names(cls: type, declarations: Mapping[str, Any], site: Source) -> dict[int, str]:
     names: dict[int, str] = {}
     for name, value in declarations.items():
         members = value.parts if isinstance(value, Repeated) else (value,)
@@ -286,6 +291,7 @@ def _names(cls: type, declarations: Mapping[str, Any]) -> dict[int, str]:
                 raise ModelError.of(
                     "model/two-names",
                     f"{cls.__name__} gives one object the names '{names[id(member)]}' and '{name}'",
+                    source=site,
                     help="make each part its own: left = Wheel(...), right = Wheel(...)",
                 )
             names[id(member)] = f"{name}[{index}]" if isinstance(value, Repeated) else name
@@ -307,7 +313,7 @@ def replace(component: Component, **changes: Any) -> Any:
                 "model/unknown-part",
                 f"{type(component).__name__} has no part or parameter '{name}'",
                 source=call_site(1),
-                help=nearest(name, component.declarations),
+                help=one_of(name, component.declarations),
             )
         if isinstance(declared, Component) is not isinstance(change, Component) or isinstance(
             declared, (Port, Repeated)

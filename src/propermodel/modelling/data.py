@@ -31,7 +31,7 @@ def measured(data: Any, column: str | None = None, *, time: str | None = None, u
         times, values, found = _from_csv(FilePath(data), column, time)
     elif hasattr(data, "dims"):
         times, values, found = _from_xarray(data, column, time)
-    elif hasattr(data, "index"):
+    elif hasattr(data, "index") and hasattr(data, "attrs"):
         times, values, found = _from_pandas(data, column, time)
     else:
         raise ModelError.of(
@@ -47,7 +47,7 @@ def _missing(name: str | None, known: list[str]) -> ModelError:
     return ModelError.of(  # pyright: ignore[reportReturnType]
         "data/column",
         f"there is no column '{name}'; there are {', '.join(known)}",
-        help=nearest(name or "", known),
+        help=nearest(name or "", known) or "say which column: measured(file, column)",
     )
 
 
@@ -73,7 +73,11 @@ def _from_csv(path: FilePath, column: str | None, time: str | None) -> tuple[lis
     with path.open(newline="", encoding="utf-8-sig") as file:
         rows = list(csv.reader(file))
     if len(rows) < 3:
-        raise ModelError.of("data/short", f"'{path.name}' has fewer than two rows of data")
+        raise ModelError.of(
+            "data/short",
+            f"'{path.name}' has fewer than two rows of data",
+            help="a CSV file has a line of names and two or more lines of numbers",
+        )
     headers = [header.strip() for header in rows[0]]
     at_time = _pick(headers, time, 0)
     at_value = _pick(headers, column, 1 if len(headers) == 2 else None)
@@ -84,8 +88,11 @@ def _from_csv(path: FilePath, column: str | None, time: str | None) -> tuple[lis
             times.append(float(row[at_time]))
             values.append(float(row[at_value]))
         except (ValueError, IndexError) as error:
+            wrong = headers[at_time if len(times) == len(values) else at_value]
             raise ModelError.of(
-                "data/number", f"line {number} of '{path.name}' has no number in column '{headers[at_value]}'"
+                "data/number",
+                f"line {number} of '{path.name}' has no number in column '{wrong}'",
+                help="correct the line, or leave it out: what is missing is interpolated",
             ) from error
     time_factor = parse_unit(_unit_of(headers[at_time]) or "s").factor
     return [t * time_factor for t in times], values, _unit_of(headers[at_value])
@@ -111,6 +118,10 @@ def _from_xarray(data: Any, column: str | None, time: str | None) -> tuple[list[
             raise _missing(chosen, names)
         array = data[chosen]
     if len(array.dims) != 1:
-        raise ModelError.of("data/dimensions", f"an input has one dimension, time; this array has {array.dims}")
+        raise ModelError.of(
+            "data/dimensions",
+            f"an input has one dimension, time; this array has {array.dims}",
+            help="select one value of every other dimension: array.sel(...)",
+        )
     times = array[time or array.dims[0]]
     return [float(t) for t in times.values], [float(v) for v in array.values], str(array.attrs.get("units", ""))

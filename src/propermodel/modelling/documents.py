@@ -398,7 +398,11 @@ def _opened(document: Json, wanted: str, top: Place) -> dict[str, Json]:
     found = given.pop("format", None)
     if found != wanted:
         what = described(found) if found is not None else "missing"
-        raise _refused("document/format", f"expected a document of format '{wanted}'; its format is {what}")
+        raise _refused(
+            "document/format",
+            f"expected a document of format '{wanted}'; its format is {what.removeprefix('the text ')}",
+            _FORMAT_CURE.get(found if isinstance(found, str) else "", "is it a document of this package?"),
+        )
     version = given.pop("version", None)
     if isinstance(version, bool) or version != VERSION:
         what = described(version) if version is not None else "missing"
@@ -408,6 +412,13 @@ def _opened(document: Json, wanted: str, top: Place) -> dict[str, Json]:
             "open it with the release that wrote it, or a later one",
         )
     return given
+
+
+_JSON_CURE = "open a file that propermodel wrote (write_model, write_scenario), complete and unchanged"
+_FORMAT_CURE = {
+    MODEL_FORMAT: "read it with read_model",
+    SCENARIO_FORMAT: "it is a scenario: read it with read_scenario, or pass it with --scenario",
+}
 
 
 def _refused(code: str, message: str, help: str = "") -> DocumentError:
@@ -447,12 +458,16 @@ def _read(path: str | os.PathLike[str], read: Callable[[Json], T]) -> T:
     try:
         size = FilePath(path).stat().st_size
         if size > LARGEST_FILE:
-            raise _refused("document/size", f"the file has {size} bytes; at most {LARGEST_FILE} are read")
+            raise _refused(
+                "document/size",
+                f"the file has {size} bytes; at most {LARGEST_FILE} are read",
+                f"is it a document of this package? Those have less than {LARGEST_FILE // 2**20} MB",
+            )
         return read(_parsed(FilePath(path).read_text(encoding="utf-8")))
     except OSError as error:
-        problem = _refused("document/file", f"the file cannot be read: {error.strerror or error}")
+        problem = _refused("document/file", f"the file cannot be read: {error.strerror or error}", "check the path")
     except UnicodeDecodeError:
-        problem = _refused("document/json", "the file is not text in UTF-8")
+        problem = _refused("document/json", "the file is not text in UTF-8", _JSON_CURE)
     except ProperModelError as error:
         problem = error
     raise DocumentError([dataclasses.replace(d, source=Source(file, 0)) for d in problem.diagnostics]) from problem
@@ -462,11 +477,15 @@ def _parsed(text: str) -> Json:
     try:
         return json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
-        raise _refused("document/json", f"the file is not JSON: {error.msg} in line {error.lineno}") from error
+        raise _refused(
+            "document/json", f"the file is not JSON: {error.msg} in line {error.lineno}", _JSON_CURE
+        ) from error
     except RecursionError:
-        raise _refused("document/json", "the file is not a document: its JSON is nested too deeply") from None
+        raise _refused(
+            "document/json", "the file is not a document: its JSON is nested too deeply", _JSON_CURE
+        ) from None
     except ValueError as error:
-        raise _refused("document/json", f"the file is not JSON: {error}") from error
+        raise _refused("document/json", f"the file is not JSON: {error}", _JSON_CURE) from error
 
 
 def _once(pairs: list[tuple[str, Json]]) -> dict[str, Json]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, nearest
+from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, one_of
 from propermodel.expressions.core import Expr, as_expr, leaves, number
 from propermodel.expressions.dimensions import DimensionMismatch, dimension_of
 from propermodel.expressions.interpret import interpret
@@ -120,7 +120,13 @@ class _Elaboration:
         known = self.domains.setdefault(data.name, data)
         if known != data:
             self.faults.add(
-                Diagnostic("model/two-domains", f"two different domains are called '{data.name}'", source=port.source)
+                Diagnostic(
+                    "model/two-domains",
+                    f"two different domains are called '{data.name}'",
+                    where=f"{cls.__name__}.{name}",
+                    source=port.source,
+                    help=f"give the domain class {port.domain.__name__} another name, or use the one that exists",
+                )
             )
         between = None
         if port.between is not None:
@@ -154,13 +160,20 @@ class _Elaboration:
                         component,
                         name,
                         "model/missing-parameter",
-                        f"needs a value for '{key}' ({declared.unit})",
+                        f"needs a value for '{key}' ({declared.unit or '1'})",
+                        f"give it one: {cls.__name__}({key}=...), in {declared.unit or '1'}",
                     )
                 continue
             value = in_unit(given, declared.unit)
             resolved = tracer.resolve(value) if tracer else value
             if tracer is None and leaves(resolved):
-                self.fault(component, name, "model/root-parameter", f"'{key}' of the root must be a number")
+                self.fault(
+                    component,
+                    name,
+                    "model/root-parameter",
+                    f"'{key}' of the root must be a number",
+                    "nothing surrounds the root, so there is nothing that an expression could refer to: give a number",
+                )
                 continue
             self.check_value(component, name, key, declared, resolved)
             result.append((key, resolved))
@@ -176,13 +189,17 @@ class _Elaboration:
                     component,
                     name,
                     "model/parameter-range",
-                    f"'{key}' is {plain / factor:g} {declared.unit}, outside {declared.low:g} to {declared.high:g}",
+                    f"'{key}' = {_in_words(plain / factor, declared.unit)} lies outside its range "
+                    f"{declared.low:g} to {declared.high:g}",
+                    "give a value inside the range, or widen the range where the parameter is declared",
                 )
             return
         try:
             found = dimension_of(value)
         except DimensionMismatch as mismatch:
-            self.fault(component, name, "model/dimension", f"'{key}' is not dimensionally consistent: {mismatch}")
+            self.fault(
+                component, name, "model/dimension", f"'{key}' is not dimensionally consistent: {mismatch}", _UNITS_CURE
+            )
             return
         if found is not None and found != parse_unit(declared.unit).dimension:
             self.fault(
@@ -190,12 +207,13 @@ class _Elaboration:
                 name,
                 "model/dimension",
                 f"'{key}' is handed {dimension_text(found)} where {declared.unit or '1'} is due",
+                _UNITS_CURE,
             )
 
-    def fault(self, component: Component, name: str, code: str, message: str) -> None:
+    def fault(self, component: Component, name: str, code: str, message: str, help: str) -> None:
         """Remember a fault of a part."""
         involved = (Involved(type(component).__name__, "is declared here", type(component).defined_at),)
-        self.faults.add(Diagnostic(code, f"{name}: {message}", source=component.source, involved=involved))
+        self.faults.add(Diagnostic(code, f"{name}: {message}", source=component.source, involved=involved, help=help))
 
     def connections(self, cls: type[Component], tracer: Tracer) -> tuple[Connection, ...]:
         """The wiring of a class body as data."""
@@ -216,18 +234,18 @@ class _Elaboration:
                             f"a connection joins ports of different domains ({', '.join(sorted(domains))})",
                             source=item.source,
                             involved=tuple(
-                                Involved(str(_place(cls, port)), f"is {port.domain.name}", port.source)
+                                Involved(str(_place(cls, port, item.source)), f"is {port.domain.name}", port.source)
                                 for port in item.ports
                             ),
                             help="put a transducer (transformer or gyrator) between the domains",
                         )
                     )
-                return Node(ports=tuple(_place(cls, port) for port in item.ports), source=item.source)
+                return Node(ports=tuple(_place(cls, port, item.source) for port in item.ports), source=item.source)
             case Bonded():
-                tail, head = (_place(cls, end) for end in item.ends)
+                tail, head = (_place(cls, end, item.source) for end in item.ends)
                 return HalfArrow(tail=tail, head=head, source=item.source)
             case Open():
-                return OpenPort(port=_place(cls, item.ports[0]), opening=item.opening, source=item.source)
+                return OpenPort(port=_place(cls, item.ports[0], item.source), opening=item.opening, source=item.source)
             case Driven():
                 targets = tuple(tracer.local(target).data.path for target in item.targets)
                 value = tracer.resolve(item.value)
@@ -249,17 +267,25 @@ class _Elaboration:
                         "model/dimension",
                         f"'{path}' takes {unit or '1'} and is driven by {problem}",
                         source=item.source,
+                        help=_UNITS_CURE,
                     )
                 )
 
 
-def _place(cls: type[Component], item: Port[Any] | Component) -> Path:
+_UNITS_CURE = "check the units; write a number with its unit: quantity(1e-6, 'm3/s')"
+
+
+def _in_words(value: float, unit: str) -> str:
+    return f"{value:g}" if unit in ("", "1") else f"{value:g} {unit}"
+
+
+def _place(cls: type[Component], item: Port[Any] | Component, source: Source) -> Path:
     root = item.root
     if isinstance(item, Component) and not isinstance(item, Junction):
         raise ModelError.of(
             "model/bond",
             f"{cls.__name__} bonds the part '{cls.names.get(id(root), type(item).__name__)}', which is not a junction",
-            source=cls.defined_at,
+            source=source,
             help="name one of its ports",
         )
     name = cls.names.get(id(root))
@@ -267,7 +293,8 @@ def _place(cls: type[Component], item: Port[Any] | Component) -> Path:
         raise ModelError.of(
             "model/foreign-reference",
             f"{cls.__name__} connects a port of something that is not one of its direct parts",
-            source=cls.defined_at,
+            source=source,
+            involved=(Involved(cls.__name__, "is declared here", cls.defined_at),),
             help="connections reach into the ports of direct parts only",
         )
     return Path((name,)) + item.path
@@ -337,7 +364,8 @@ def find_part(model: Model, path: Path) -> Part:
             raise ModelError.of(
                 "model/unknown-path",
                 f"{model.name} has no part '{path}': '{name}' is not in {part.name}",
-                help=nearest(name, known_names(part.definition)),
+                help=one_of(name, known_names(part.definition), f"{part.name} has no parts"),
+                source=part.source,
             )
         part = found[name]
     return part

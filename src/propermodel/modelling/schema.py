@@ -55,7 +55,8 @@ class Place:
 
 def malformed(where: str, message: str, help: str = "") -> DocumentError:
     """The error for a document with unreadable content."""
-    return DocumentError.of("document/content", message, where=where or "the document", help=help)
+    cure = help or "correct the document here, or write it again with the program that made the model"
+    return DocumentError.of("document/content", message, where=where or "the document", help=cure)
 
 
 def described(data: Json) -> str:

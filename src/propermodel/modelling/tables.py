@@ -32,11 +32,16 @@ def table_values(grids: Sequence[Iterable[float]], values: Iterable[float]) -> T
     for grid in data.grids:
         expected *= len(grid)
         if len(grid) < 2 or not all(map(math.isfinite, grid)) or any(not b > a for a, b in pairwise(grid)):
-            raise ModelError.of("model/table-grid", "the grid of a table must have two or more strictly growing points")
+            raise ModelError.of(
+                "model/table-grid",
+                "the grid of a table must have two or more strictly growing, finite points",
+                help="sort the points, and drop those that are there twice or are not finite",
+            )
     if len(data.values) != expected or not all(map(math.isfinite, data.values)):
         raise ModelError.of(
             "model/table-values",
             f"a table on this grid needs {expected} finite values, {len(data.values)} were given",
+            help="give one finite value for each point; the last coordinate varies fastest",
         )
     return data
 
@@ -67,5 +72,5 @@ def table(
         data = table_values(scaled, [v * factor for v in values])
     except ModelError as error:
         first = error.diagnostics[0]
-        raise ModelError.of(first.code, first.message, source=call_site(1)) from error
+        raise ModelError.of(first.code, first.message, source=call_site(1), help=first.help) from error
     return Table(unit, coordinate_units, data, extrapolation, source)

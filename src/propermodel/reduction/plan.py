@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from propermodel.analysis.activity import ActivityRanking, ActivityRow
 from propermodel.compiler import CompiledModel, compile_model
-from propermodel.diagnostics import Path, ProperModelError, ReductionError
+from propermodel.diagnostics import Path, ProperModelError, ReductionError, one_of
 from propermodel.expressions.core import Expr, SymbolKind, leaves
 from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
@@ -139,7 +139,11 @@ def plan_reduction(
     )
     for path in rules.protected:
         if path not in compiled.lowered.observables:
-            raise ReductionError.of("reduction/unknown-output", f"the protected output '{path}' does not exist")
+            raise ReductionError.of(
+                "reduction/unknown-output",
+                f"the protected output '{path}' does not exist",
+                help=one_of(str(path), map(str, compiled.lowered.observables)),
+            )
     keep = {row.path for row in ranking.kept_by(threshold)}
     evidence = RunEvidence.of(compiled, trajectory)
     candidates = [row for row in ranking.rows if row.path not in keep]

@@ -9,7 +9,7 @@ from propermodel.analysis.activity import ActivityRanking, rank_activity
 from propermodel.analysis.balance import EnergyBalance, energy_balance
 from propermodel.analysis.comparison import Comparison, compare
 from propermodel.compiler import CompiledModel, Method, compile_model
-from propermodel.diagnostics import Diagnostic, Path, ProperModelError, SimulationError, nearest, parse_path
+from propermodel.diagnostics import Diagnostic, Path, ProperModelError, SimulationError, one_of, parse_path
 from propermodel.modelling.model import ElementKind, Model, Scenario
 from propermodel.reduction.plan import Reduction, plan_reduction
 from propermodel.report.panels import Panel
@@ -103,7 +103,10 @@ class StudySoFar:
         self.runs[name] = run
         if not run.ending.is_complete:
             raise SimulationError.of(
-                "study/incomplete", f"{name} run: {run.ending.message}", where=str(run.ending.path)
+                "study/incomplete",
+                f"{name} run: {run.ending.message}",
+                where=str(run.ending.path),
+                help="cure the failure first (a smaller step, other values), or let the scenario stop earlier",
             )
         return run
 
@@ -126,7 +129,13 @@ class IncompleteStudy(SimulationError):
             error = cls(cause.diagnostics)
             error.was_interrupted = so_far.was_interrupted
         else:
-            error = cls([Diagnostic("study/incomplete", "interrupted; what was computed is kept")])
+            error = cls(
+                [
+                    Diagnostic(
+                        "study/incomplete", "interrupted; what was computed is kept", help="run it again to the end"
+                    )
+                ]
+            )
             error.was_interrupted = True
         error.so_far = so_far
         return error
@@ -240,7 +249,7 @@ def check_outputs(compiled: CompiledModel, outputs: tuple[Path, ...]) -> None:
                 Diagnostic(
                     "simulation/unknown-observable",
                     f"the model has no observable '{path}'",
-                    help=nearest(str(path), (str(p) for p in known)),
+                    help=one_of(str(path), map(str, known)),
                 )
                 for path in unknown
             ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -11,7 +12,7 @@ import numpy as np
 from propermodel.codegen.machine import FloatArray, Machine, Memory, Method, Outcome, Request, Status
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
-from propermodel.diagnostics import Path, SimulationError, nearest
+from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.start import start_of
@@ -78,10 +79,16 @@ def simulate(
     """
     if not scenario.stop > scenario.start:
         raise SimulationError.of(
-            "simulation/window", f"scenario '{scenario.name}' ends at {scenario.stop} s, not after its start"
+            "simulation/window",
+            f"scenario '{scenario.name}' ends at {scenario.stop} s, not after its start at {scenario.start:g} s",
+            help="give it a later stop: Scenario(stop=...)",
         )
-    if not step > 0.0:
-        raise SimulationError.of("simulation/step", f"the step is {step} s; it must be positive")
+    if not 0.0 < step < math.inf:
+        raise SimulationError.of(
+            "simulation/step",
+            f"the step is {step} s; it must be positive and finite",
+            help="give a step well below the shortest period or time constant: simulate(..., step=1e-3)",
+        )
     selected = _selected(compiled, record)
     before = time.perf_counter()
     machine = compiled.machine(method)
@@ -248,7 +255,7 @@ def _selected(
                 raise SimulationError.of(
                     "simulation/unknown-observable",
                     f"the model has no observable '{name}'",
-                    help=nearest(str(name), (str(p) for p in known)),
+                    help=one_of(str(name), map(str, known)),
                 )
             chosen[known[name].index] = None
     return np.array(list(chosen), dtype=np.int64)
@@ -257,12 +264,15 @@ def _selected(
 def _continue(compiled: CompiledModel, scenario: Scenario, earlier: Trajectory) -> Memory:
     if earlier.compiled is not compiled:
         raise SimulationError.of(
-            "simulation/continue", "a run can only be continued with the compiled model that began it"
+            "simulation/continue",
+            "a run can only be continued with the compiled model that began it",
+            help="pass the compiled model of the earlier run: simulate(earlier.compiled, ...)",
         )
     memory = earlier.memory.copy()
     if not scenario.stop > memory.time:
         raise SimulationError.of(
             "simulation/window",
             f"the run to continue is already at {memory.time} s, past the stop {scenario.stop} s",
+            help="give the scenario a later stop: it is the end of the whole run, not of the part that is added",
         )
     return memory

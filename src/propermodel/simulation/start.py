@@ -12,7 +12,7 @@ from propermodel.codegen.lower import is_uniform
 from propermodel.codegen.machine import Memory, TableData, start_memory
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
-from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, nearest
+from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
 from propermodel.equations.system import StateKind
 from propermodel.expressions.core import TIME, Expr, SymbolKind, leaves
 from propermodel.expressions.interpret import interpret
@@ -45,7 +45,7 @@ def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -
                 Diagnostic(
                     "simulation/unknown-parameter",
                     f"the model has no parameter '{path}'",
-                    help=nearest(str(path), (str(p) for p in flat)),
+                    help=one_of(str(path), map(str, flat), "this model has no parameters"),
                 )
             )
         elif not flat[path].low <= value <= flat[path].high or not math.isfinite(value):
@@ -53,6 +53,7 @@ def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -
                 Diagnostic(
                     "simulation/parameter-range",
                     f"'{path}' = {value:g} {flat[path].unit} lies outside {flat[path].low:g} to {flat[path].high:g}",
+                    help="give a finite value in SI inside the range, which stands where the parameter is declared",
                 )
             )
     faults.raise_if_any()
@@ -138,7 +139,7 @@ def _tables(compiled: CompiledModel, scenario: Scenario, faults: Faults) -> dict
                 Diagnostic(
                     "simulation/unknown-input",
                     f"scenario '{scenario.name}' gives '{path}', which is no input or table of this model",
-                    help=nearest(str(path), (str(p) for p in flat)),
+                    help=one_of(str(path), map(str, flat), "this model has no inputs or tables"),
                 )
             )
     for index, path in enumerate(compiled.lowered.tables):
@@ -210,7 +211,7 @@ def _initial_states(
                 Diagnostic(
                     "simulation/unknown-initial",
                     f"scenario '{scenario.name}' gives a start for '{path}', which is no state of this model",
-                    help=nearest(str(path), (str(p) for p in (*states, *held))),
+                    help=one_of(str(path), map(str, (*states, *held)), "this model has no states"),
                 )
             )
     return found

@@ -17,7 +17,7 @@ from typing import Any, cast
 import numpy as np
 
 from propermodel.codegen.machine import FloatArray
-from propermodel.diagnostics import DocumentError, Path, Source, nearest, portable_file
+from propermodel.diagnostics import DocumentError, Path, Source, one_of, portable_file
 from propermodel.expressions.core import Expr
 from propermodel.modelling.documents import (
     from_document,
@@ -91,7 +91,7 @@ class StoredTrajectory:
             raise DocumentError.of(
                 "document/column",
                 f"the file holds no {what} '{path}'",
-                help=nearest(str(path), (str(p) for p in known)),
+                help=one_of(str(path), map(str, known)),
             )
         return known[path]
 

@@ -12,7 +12,7 @@ import numpy as np
 from propermodel.codegen.lower import Observable
 from propermodel.codegen.machine import FloatArray, Memory, Method
 from propermodel.compiler import CompiledModel
-from propermodel.diagnostics import Path, SimulationError, nearest, parse_path
+from propermodel.diagnostics import Path, SimulationError, one_of, parse_path
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 
@@ -121,7 +121,7 @@ class Trajectory:
             raise SimulationError.of(
                 "simulation/unknown-observable",
                 f"the model has no observable '{path}'",
-                help=nearest(str(path), (str(p) for p in known)),
+                help=one_of(str(path), map(str, known)),
             )
         return known[path]
 
@@ -165,7 +165,11 @@ class Trajectory:
         for index, power in enumerate(self.compiled.lowered.powers):
             if power.path == entry and power.kind != "outside":
                 return index
-        raise SimulationError.of("simulation/unknown-bond", f"the model has no bond or row '{entry}'")
+        raise SimulationError.of(
+            "simulation/unknown-bond",
+            f"the model has no bond or row '{entry}'",
+            help=one_of(str(entry), (str(power.path) for power in self.compiled.lowered.powers)),
+        )
 
     @property
     def outside_tables(self) -> tuple[TableUse, ...]:

@@ -149,8 +149,8 @@ def rough_road(record: Record, classes: Mapping[str, str] | None = None) -> Roug
         if section not in SECTIONS or name not in ROUGHNESS_CLASSES:
             raise ModelError.of(
                 "library/roughness",
-                f"a section is one of {', '.join(SECTIONS)} and a class one of {', '.join(ROUGHNESS_CLASSES)}",
-                help=f"'{section}': '{name}' was given",
+                f"the roughness '{section}': '{name}' cannot be given",
+                help=f"a section is one of {', '.join(SECTIONS)} and a class one of {', '.join(ROUGHNESS_CLASSES)}",
             )
     of_row = [named.get(s, c) for s, c in zip(record.section, record.roughness, strict=True)]
     changes = [i for i in range(1, len(of_row)) if record.section[i] != record.section[i - 1]]
@@ -206,7 +206,11 @@ def mission(name: str, *, roughness: Mapping[str, str] | None = None, until: flo
     record = read_record(name)
     stop = float(record.time[-1]) if until is None else until
     if not 0.0 < stop <= record.time[-1]:
-        raise ModelError.of("library/mission-end", f"the mission '{name}' lasts {record.time[-1]:g} s, not {stop:g} s")
+        raise ModelError.of(
+            "library/mission-end",
+            f"the mission '{name}' lasts {record.time[-1]:g} s; it cannot end at {stop:g} s",
+            help=f"give until= a time between 0 and {record.time[-1]:g} s",
+        )
     road = rough_road(record, roughness)
     return Scenario(
         name=name,

@@ -1,0 +1,167 @@
+"""Faults in files: documents, trajectories, measured data; and on the command line."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+import propermodel as pm
+from propermodel.cli.app import app
+from propermodel.library.vehicle.mission import mission
+from propermodel.modelling.documents import LARGEST_FILE, to_document
+from tests.faults.case import Case
+from tests.faults.simulation_cases import quarter, run
+
+HERE = Path(__file__).parent
+RIG = HERE.parent / "cli" / "quarter_car.py"
+
+
+def file_of(text: str | bytes, name: str = "model.json") -> Path:
+    """A file in a folder of its own that is gone with the process."""
+    folder = tempfile.TemporaryDirectory()  # kept by the list below
+    _FOLDERS.append(folder)
+    path = Path(folder.name) / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+_FOLDERS: list[tempfile.TemporaryDirectory[str]] = []
+
+
+def read(text: str | bytes) -> object:
+    return pm.read_model(file_of(text))
+
+
+def document(**changes: object) -> str:
+    return json.dumps({**to_document(quarter().model), **changes})
+
+
+def too_large() -> object:
+    path = file_of("", "model.json")
+    with path.open("wb") as stream:
+        stream.truncate(LARGEST_FILE + 1)
+    return pm.read_model(path)
+
+
+def missing_column() -> object:
+    path = file_of("", "run.npz")
+    pm.save_trajectory(run(), path, only=["body.flange.flow"])
+    return pm.load_trajectory(path)["body.flange.effort"]
+
+
+def measured(text: str, **options: str) -> object:
+    return pm.measured(file_of(text, "road.csv"), **options)
+
+
+def command(*arguments: object) -> Callable[[], str]:
+    def typed() -> str:
+        done = CliRunner().invoke(app, [str(argument) for argument in arguments])
+        assert done.exit_code != 0, done.output
+        assert "Traceback" not in done.output
+        return done.stderr
+
+    return typed
+
+
+def unimportable() -> str:
+    return command("check", f"{file_of('import nothing_of_this_name', 'rig.py')}:Rig")()
+
+
+CASES = (
+    Case(
+        code="document/file",
+        run=lambda: pm.read_model("nowhere/model.json"),
+        names=("nowhere/model.json", "No such file"),
+        cure="path",
+    ),
+    Case(code="document/size", run=too_large, names=("model.json", str(LARGEST_FILE)), cure="MB"),
+    Case(code="document/json", run=lambda: read("{'format': 1}"), names=("model.json", "line 1"), cure="write_model"),
+    Case(
+        code="document/format",
+        run=lambda: read(document(format="propermodel-scenario")),
+        names=("model.json", "propermodel-scenario"),
+        cure="scenario",
+    ),
+    Case(
+        code="document/version",
+        run=lambda: read(document(version=99)),
+        names=("model.json", "99"),
+        cure="open it with the release that wrote it",
+    ),
+    Case(
+        code="document/content",
+        run=lambda: read(document(root={"nam": "quarter"})),
+        names=("model.json", "root", "nam"),
+        cure="did you mean 'name'?",
+    ),
+    Case(
+        code="document/column",
+        run=missing_column,
+        names=("body.flange.effort",),
+        cure="did you mean 'body.flange.flow'?",
+    ),
+    Case(code="data/kind", run=lambda: pm.measured([1.0, 2.0]), names=("list",), cure="table_values"),
+    Case(
+        code="data/column",
+        run=lambda: measured("time [s],height [m]\n0,1\n1,2\n2,3\n", column="heigth"),
+        names=("heigth",),
+        cure="did you mean 'height",
+    ),
+    Case(code="data/short", run=lambda: measured("time,height\n0,1\n"), names=("road.csv",), cure="two or more lines"),
+    Case(
+        code="data/number",
+        run=lambda: measured("time,height\n0,1\n1,high\n2,2\n"),
+        names=("line 3", "road.csv", "height"),
+        cure="correct the line",
+    ),
+    Case(
+        code="library/unknown-mission",
+        run=lambda: mission("fmtv_mixt"),
+        names=("fmtv_mixt",),
+        cure="did you mean 'fmtv_mixed'?",
+    ),
+    Case(code="library/mission-end", run=lambda: mission("fmtv_mixed", until=1e6), names=("2200 s",), cure="until"),
+    Case(
+        code="library/roughness",
+        run=lambda: mission("fmtv_mixed", roughness={"city": "Z"}),
+        names=("city", "Z"),
+        cure="class",
+    ),
+    Case(code="command/unknown-model", run=command("check", "trck"), names=("trck",), cure="did you mean 'truck'?"),
+    Case(code="command/model", run=command("check", RIG), names=("quarter_car.py",), cure="QuarterCar"),
+    Case(
+        code="command/unknown-name",
+        run=command("check", f"{RIG}:QuarterCat"),
+        names=("QuarterCat",),
+        cure="did you mean 'QuarterCar'?",
+    ),
+    Case(
+        code="command/unknown-scenario",
+        run=command("run", f"{RIG}:QuarterCar", "--scenario", "nowhere"),
+        names=("nowhere",),
+        cure="JSON document",
+    ),
+    Case(
+        code="command/scenario",
+        run=command("run", f"{RIG}:QuarterCar", "--scenario", f"{RIG}:QuarterCar"),
+        names=("QuarterCar", "no scenario"),
+        cure="name a Scenario",
+    ),
+    Case(code="command/file", run=command("check", "nowhere.py:Rig"), names=("nowhere.py",), cure="path"),
+    Case(
+        code="command/import",
+        run=unimportable,
+        names=("rig.py:1", "nothing_of_this_name"),
+        cure="python",
+    ),
+    Case(
+        code="command/set",
+        run=command("run", f"{RIG}:QuarterCar", "--set", "body.mass"),
+        names=("body.mass",),
+        cure='--set body.mass="1500 kg"',
+    ),
+)

@@ -1,0 +1,301 @@
+"""Faults in what is asked of a compiled model: runs, rankings, reductions, studies."""
+
+from __future__ import annotations
+
+from dataclasses import replace as changed
+from functools import cache
+
+import propermodel as pm
+from propermodel import (
+    CompiledModel,
+    Component,
+    ConstantEffort,
+    Domain,
+    MultiportResistance,
+    Parameter,
+    Port,
+    Resistance,
+    Scenario,
+    StudyOptions,
+    TableValues,
+    Trajectory,
+    Translation,
+    ZeroEffort,
+    ZeroFlow,
+    compile_model,
+    connect,
+    elaborate,
+    parameter,
+    plan_reduction,
+    prescribed_flow,
+    rank_activity,
+    run_study,
+    simulate,
+)
+from tests.faults.case import Case
+from tests.parts import Fixed, Mass, SpringDamper
+
+
+class Quarter(Component):
+    """A body on a suspension whose foot the scenario moves."""
+
+    road = Port(Translation)
+    body = Mass(mass=250.0)
+    suspension = SpringDamper(stiffness=1.0e4, damping=1.0e3)
+
+    connections = (
+        connect(road, suspension.a),
+        connect(suspension.b, body.flange),
+        prescribed_flow(road),
+    )
+
+
+STEP = Scenario(name="step", stop=0.5, inputs={"road.flow": 0.1})  # pyright: ignore[reportArgumentType]
+
+
+@cache
+def quarter() -> CompiledModel:
+    return compile_model(elaborate(Quarter()))
+
+
+@cache
+def run() -> Trajectory:
+    return simulate(quarter(), STEP, step=1e-3, record_every=0.05)
+
+
+def with_scenario(**changes: object) -> object:
+    return simulate(quarter(), changed(STEP, **changes), step=1e-3)  # pyright: ignore[reportArgumentType]
+
+
+def not_recorded() -> object:
+    return simulate(quarter(), STEP, step=1e-3, record=["body.flange.flow"])["suspension.spring.port.effort"]
+
+
+def continued_elsewhere() -> object:
+    other = compile_model(elaborate(Quarter()))
+    return simulate(other, changed(STEP, stop=1.0), step=1e-3, continued_from=run())
+
+
+class Circle(Component):
+    first: Parameter = parameter("1", default=1.0)
+    second: Parameter = parameter("1", default=1.0)
+
+
+class Rounded(Component):
+    mass: Parameter = parameter("kg")
+    weight: Parameter = parameter("kg", default=mass)
+    body = Mass(mass=weight)
+    connections = (pm.connect(body.flange),)
+
+
+class Stiction(Resistance):
+    """A loop without solution: the damper wants a root of a negative number."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    port = Port(Translation, between=(a, b))
+    scale: Parameter = parameter("N", default=1.0)
+    speed: Parameter = parameter("m/s", default=1.0)
+
+    def effort(self, flow):
+        ratio = flow / self.speed
+        return self.scale * (ratio * ratio + 1.0)
+
+
+class Unsolvable(Component):
+    """Two laws on one junction whose forces never balance."""
+
+    one = Stiction()
+    two = Stiction()
+    wall = Fixed()
+    connections = (connect(one.a, two.a), connect(one.b, two.b, wall.flange))
+
+
+def not_converged() -> object:
+    return simulate(compile_model(elaborate(Unsolvable())), Scenario(stop=0.1), step=1e-3)
+
+
+class Sine(pm.Transformer):
+    """A crank: its ratio is the sine of the angle, zero at the dead centre."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    ratio: Parameter = parameter("1", default=1.0)
+
+    def modulus(self):
+        return self.ratio
+
+
+class PseudoHeat(Domain):
+    name = "pseudo heat"
+    effort, effort_unit = "temperature", "K"
+    flow, flow_unit = "heat flow", "W"
+    displacement_unit, momentum_unit = "J", "K.s"
+    shared = pm.Thermal.shared
+    is_true = False
+
+
+class HeatSource(pm.EffortSource):
+    port = Port(PseudoHeat)
+
+    def effort(self):
+        return pm.quantity(20.0, "K")
+
+
+class Wall(Resistance):
+    port = Port(PseudoHeat)
+    resistance: Parameter = parameter("K/W", default=2.0)
+
+    def effort(self, flow):
+        return self.resistance * flow
+
+
+class Warmed(Quarter):
+    stove = HeatSource()
+    wall = Wall()
+    connections = (*Quarter.connections, connect(stove.port, wall.port))
+
+
+def pseudo_bonds() -> object:
+    return rank_activity(simulate(compile_model(elaborate(Warmed())), STEP, step=1e-3))
+
+
+def at_rest() -> object:
+    return rank_activity(simulate(quarter(), Scenario(stop=0.1), step=1e-3))
+
+
+def stopped() -> Trajectory:
+    return simulate(quarter(), changed(STEP, stop=2000.0), step=0.5, method=pm.Method.EULER)
+
+
+def incomplete_study() -> object:
+    return run_study(quarter().model, changed(STEP, stop=2000.0), StudyOptions(step=0.5, method=pm.Method.EULER))
+
+
+def planned(**options: object) -> object:
+    ranking = rank_activity(run())
+    return plan_reduction(quarter(), run(), ranking, **options)  # pyright: ignore[reportArgumentType]
+
+
+def without(*removals: pm.Removal) -> object:
+    return compile_model(quarter().model.without(removals))
+
+
+class Coupling(MultiportResistance):
+    """A field: two dampers that act on each other."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    damping: Parameter = parameter("N.s/m", default=1.0)
+
+    def laws(self):
+        return (
+            {
+                self.a.effort: self.damping * (self.a.flow + 0.5 * self.b.flow),
+                self.b.effort: self.damping * (self.b.flow + 0.5 * self.a.flow),
+            },
+        )
+
+
+class Coupled(Component):
+    one = Mass(mass=1.0)
+    two = Mass(mass=1.0)
+    field = Coupling()
+    connections = (connect(one.flange, field.a), connect(two.flange, field.b))
+
+
+def partial_field() -> object:
+    return compile_model(elaborate(Coupled()).without([ConstantEffort(pm.Path(("field", "a")), 0.0)]))
+
+
+class Observed(Quarter):
+    """A signal that reads what a reduction takes away."""
+
+
+SPRING = pm.Path(("suspension", "spring", "port"))
+BODY = pm.Path(("body", "flange"))
+
+CASES = (
+    Case(code="simulation/window", run=lambda: with_scenario(stop=0.0), names=("step", "0"), cure="later stop"),
+    Case(
+        code="simulation/step",
+        run=lambda: simulate(quarter(), STEP, step=0.0),
+        names=("0.0 s",),
+        cure="step well below",
+    ),
+    Case(
+        code="simulation/unknown-parameter",
+        run=lambda: with_scenario(parameters={"body.mas": 1.0}),
+        names=("body.mas",),
+        cure="did you mean 'body.mass'?",
+    ),
+    Case(
+        code="simulation/parameter-range",
+        run=lambda: with_scenario(parameters={"body.mass": float("nan")}),
+        names=("body.mass", "nan"),
+        cure="finite",
+    ),
+    Case(
+        code="simulation/unknown-input",
+        run=lambda: with_scenario(inputs={"road.flw": 1.0}),
+        names=("road.flw", "step"),
+        cure="did you mean 'road.flow'?",
+    ),
+    Case(
+        code="simulation/unknown-initial",
+        run=lambda: with_scenario(initial={"body.momentun": 1.0}),
+        names=("body.momentun", "step"),
+        cure="did you mean 'body.momentum'?",
+    ),
+    Case(
+        code="simulation/table-shape",
+        run=lambda: with_scenario(inputs={"road.flow": TableValues(((0.0, 1.0), (0.0, 1.0)), (0.0,) * 4)}),
+        names=("road.flow", "1 coordinate"),
+        cure="same kind of grid",
+    ),
+    Case(
+        code="simulation/unknown-observable",
+        run=lambda: run()["body.flange.flw"],
+        names=("body.flange.flw",),
+        cure="did you mean 'body.flange.flow'?",
+    ),
+    Case(
+        code="simulation/not-recorded", run=not_recorded, names=("suspension.spring.port.effort",), cure="record=[...]"
+    ),
+    Case(
+        code="simulation/unknown-bond",
+        run=lambda: run().power_index(pm.Path(("body", "flang"))),
+        names=("body.flang",),
+        cure="did you mean 'body.flange'?",
+    ),
+    Case(code="simulation/continue", run=continued_elsewhere, cure="compile"),
+    Case(code="activity/none", run=at_rest, names=("scenario",), cure="inputs"),
+    Case(code="activity/pseudo-bonds", run=pseudo_bonds, names=("pseudo heat",), cure="entropy flow"),
+    Case(code="reduction/threshold", run=lambda: planned(threshold=99.0), names=("99",), cure="0.99"),
+    Case(
+        code="reduction/unknown-output",
+        run=lambda: planned(protected=["body.flange.flw"]),
+        names=("body.flange.flw",),
+        cure="did you mean 'body.flange.flow'?",
+    ),
+    Case(
+        code="reduction/unknown-removal",
+        run=lambda: without(ZeroEffort(pm.Path(("suspension", "spring", "prt")))),
+        names=("suspension.spring.prt",),
+        cure="did you mean 'suspension.spring.port'?",
+    ),
+    Case(
+        code="reduction/removed-twice",
+        run=lambda: without(ZeroEffort(SPRING), ZeroFlow(SPRING)),
+        names=("suspension.spring.port", "2 times"),
+        cure="keep one",
+    ),
+    Case(
+        code="reduction/partial-field",
+        run=partial_field,
+        names=("field", "field.b"),
+        at="field = Coupling()",
+        cure="every port of a field",
+    ),
+    Case(code="study/incomplete", run=incomplete_study, names=("body.momentum",), cure="smaller step"),
+)
