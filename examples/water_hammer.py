@@ -26,7 +26,7 @@ class ClosingValve(pm.Component):
             bulk_modulus=2.2e9,
             viscosity=1e-3,
             start_flow=1e-3,
-            start_pressure=5e5,
+            start_pressure=1e6,
         ),
     )
     consumer = VolumeFlowSource()
@@ -46,7 +46,7 @@ OUTPUTS = ("pipe[39].oil.port.effort", "pipe[20].column.port.flow")
 def scenario() -> pm.Scenario:
     """One litre a second, stopped within 50 ms."""
     demand = pm.table_values([[0.0, 0.01, 0.06, 1.0]], [1e-3, 1e-3, 0.0, 0.0])
-    return pm.Scenario(name="closing", stop=0.6, inputs={"reservoir_pressure": 5e5, "demand": demand})
+    return pm.Scenario(name="closing", stop=0.6, inputs={"reservoir_pressure": 1e6, "demand": demand})
 
 
 def run(model: pm.Model) -> pm.Trajectory:

@@ -55,12 +55,13 @@ def test_a_water_hammer_is_joukowskys():
     def rates(t, y):
         Q, p = y[:n], y[n:]
         ahead = np.append(Q[1:], np.interp(t, [0.01, 0.06], [1e-3, 0.0]))
-        return [*((np.append(5e5, p[:-1]) - p - loss * Q) / inertia), *((Q - ahead) / capacity)]
+        return [*((np.append(1e6, p[:-1]) - p - loss * Q) / inertia), *((Q - ahead) / capacity)]
 
-    start = [1e-3] * n + [5e5] * n
+    start = [1e-3] * n + [1e6] * n
     expected = solved(rates, start, run.time, method="DOP853", max_step=5e-3)
     np.testing.assert_allclose(run["pipe[39].oil.port.effort"], expected[-1], atol=100.0)
-    rise = run["pipe[39].oil.port.effort"][run.time < 0.14].max() - 5e5
+    assert run["pipe[39].oil.port.effort"].min() > 0.0  # the water does not boil
+    rise = run["pipe[39].oil.port.effort"][run.time < 0.14].max() - 1e6
     assert rise == pytest.approx(rho * math.sqrt(K / rho) * 1e-3 / area, rel=0.05)
 
 
