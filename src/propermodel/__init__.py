@@ -89,6 +89,8 @@ if TYPE_CHECKING:
     from propermodel.analysis.activity import ActivityRanking, rank_activity
     from propermodel.analysis.balance import EnergyBalance, energy_balance
     from propermodel.analysis.comparison import Comparison, compare
+    from propermodel.analysis.linear_model import LinearModel
+    from propermodel.analysis.linearise import linearise
     from propermodel.causality.report import CausalReport, explain_causality
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
     from propermodel.equations.matrices import SymbolicMatrices, symbolic_matrices
@@ -96,6 +98,7 @@ if TYPE_CHECKING:
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
+    from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
     from propermodel.simulation.simulate import simulate
     from propermodel.simulation.storage import load_trajectory, save_trajectory
     from propermodel.simulation.trajectory import Trajectory
@@ -109,6 +112,8 @@ _WHEN_USED = {
     "CausalReport": "causality.report",
     "CompiledModel": "compiler",
     "EnergyBalance": "analysis.balance",
+    "Equilibrium": "simulation.equilibrium",
+    "LinearModel": "analysis.linear_model",
     "Method": "compiler",
     "ReadableEquations": "equations.readable",
     "Reduction": "reduction.plan",
@@ -119,6 +124,8 @@ _WHEN_USED = {
     "compile_model": "compiler",
     "energy_balance": "analysis.balance",
     "explain_causality": "causality.report",
+    "find_equilibrium": "simulation.equilibrium",
+    "linearise": "analysis.linearise",
     "load_trajectory": "simulation.storage",
     "plan_reduction": "reduction.plan",
     "rank_activity": "analysis.activity",
@@ -228,6 +235,11 @@ __all__ = [
     "Trajectory",
     "save_trajectory",
     "load_trajectory",
+    # equilibria and linear models
+    "find_equilibrium",
+    "Equilibrium",
+    "linearise",
+    "LinearModel",
     # activity and energy
     "rank_activity",
     "ActivityRanking",

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
-from propermodel.simulation.start import start_of
+from propermodel.simulation.equilibrium import equilibrium_start
+from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
 
 RETURN_EVERY_S = 0.1
@@ -57,6 +59,7 @@ def simulate(
     integrals_every: float = 1.0,
     progress: Callable[[Progress], None] | None = None,
     continued_from: Trajectory | None = None,
+    start: Literal["declared", "equilibrium"] | Start = "declared",
 ) -> Trajectory:
     """Run a scenario with a fixed step.
 
@@ -70,6 +73,8 @@ def simulate(
         integrals_every: Period at which the integrals of power are kept, s; they are made at every step.
         progress: Called about ten times a second.
         continued_from: A run of the same model to go on from; `scenario.stop` is the new end.
+        start: Whether the run begins with the declared initial values or at the equilibrium near them, which the
+            notes of the run then tell; or a start made elsewhere. A run that is continued has its start already.
 
     Returns:
         What was computed, also when the run was interrupted (Ctrl-C) or failed; `ending` says how it ended.
@@ -94,8 +99,8 @@ def simulate(
     machine = compiled.machine(method)
     build_s = time.perf_counter() - before
     if continued_from is None:
-        start = start_of(compiled, scenario)
-        memory, notes = start.memory, start.notes
+        begun = _begun(compiled, scenario, start)
+        memory, notes = begun.memory, begun.notes
     else:
         memory, notes = _continue(compiled, scenario, continued_from), continued_from.notes
     # Integrals count from the origin of a run, also of one that is continued, and so does its start.
@@ -131,6 +136,16 @@ def simulate(
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
         notes=notes,
     )
+
+
+def _begun(compiled: CompiledModel, scenario: Scenario, start: Literal["declared", "equilibrium"] | Start) -> Start:
+    match start:
+        case "declared":
+            return start_of(compiled, scenario)
+        case "equilibrium":
+            return equilibrium_start(compiled, scenario)
+        case Start():
+            return start
 
 
 class _Rows:
