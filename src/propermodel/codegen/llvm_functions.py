@@ -69,7 +69,7 @@ class Writer:
         rows = {**self.kept[Level.RUN], **self.kept[Level.SAMPLE]}
         self._write_function("rates", program.rates, rows)
         self._write_function("displacement_rates", program.displacement_rates, rows)
-        self._write_function("observe", program.observe, rows)
+        self._write_function("observe", program.observe, rows, is_rare=True)
         for k, function in enumerate(program.samples):
             self._write_function(f"sample.{k}", function, self.kept[Level.RUN])
 
@@ -84,7 +84,7 @@ class Writer:
             items.append(StoreRow(row, node))
         self.write(name, items, known)
 
-    def _write_function(self, name: str, function: Function, rows: dict[Expr, int]) -> None:
+    def _write_function(self, name: str, function: Function, rows: dict[Expr, int], *, is_rare: bool = False) -> None:
         items: list[Item] = []
         late: list[StoreRow] = []
         for item in sequence(function, self.numbers, rows.__contains__):
@@ -94,15 +94,27 @@ class Writer:
                 (late if item.slot.array is Array.DISCRETE else items).append(store)
             else:
                 items.append(item)
-        self.write(name, items, rows, late)
+        self.write(name, items, rows, late, is_rare=is_rare)
 
-    def write(self, name: str, items: list[Item], rows: dict[Expr, int], late: Iterable[StoreRow] = ()) -> None:
-        """Write one function as a sequence of pieces; values that cross a cut go through rows of their own."""
+    def write(
+        self,
+        name: str,
+        items: list[Item],
+        rows: dict[Expr, int],
+        late: Iterable[StoreRow] = (),
+        *,
+        is_rare: bool = False,
+    ) -> None:
+        """Write one function as a sequence of pieces; values that cross a cut go through rows of their own.
+
+        What is rarely called is compiled fast rather than well: most of a large model's code observes.
+        """
         pieces = self._cut(items)
         pieces[-1].late.extend(late)
         rows = {**rows, **self._crossing(pieces)}
         for k, piece in enumerate(pieces):
-            self._write_piece(name if len(pieces) == 1 else f"{name}.piece{k}", piece, rows, len(pieces) > 1)
+            attributes = "noinline optnone" if is_rare else "noinline" if len(pieces) > 1 else ""
+            self._write_piece(name if len(pieces) == 1 else f"{name}.piece{k}", piece, rows, attributes)
         if len(pieces) > 1:
             calls = [f"  call void @{name}.piece{k}({PASSED})" for k in range(len(pieces))]
             self._define(name, calls, "")
@@ -143,7 +155,7 @@ class Writer:
                     use(item.captures, -1)  # read by the residuals, which are functions of their own
         return rows
 
-    def _write_piece(self, name: str, piece: Piece, rows: dict[Expr, int], is_separate: bool) -> None:
+    def _write_piece(self, name: str, piece: Piece, rows: dict[Expr, int], attributes: str) -> None:
         block = Block(self.module, rows)
         text = block.text
         for item in piece.items:
@@ -159,7 +171,7 @@ class Writer:
         values = [block.number(store.value) for store in piece.late]
         for store, value in zip(piece.late, values, strict=True):
             text.store_row(store.row, value)
-        self._define(name, text.lines, "noinline" if is_separate else "")
+        self._define(name, text.lines, attributes)
 
     def _write_solve(self, name: str, call: Call, rows: dict[Expr, int]) -> None:
         """The functions of an implicit block: its residuals with their Jacobian, and the iteration."""
