@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import BondGraph
-from propermodel.causality.assign import assign_causality
+from propermodel.causality.completion import complete_causality
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
@@ -58,7 +58,7 @@ def compile_model(model: Model, *, backend: Backend = Backend.NATIVE) -> Compile
     """
     begin = time.perf_counter()
     graph = flatten(model)
-    causal = select_states(assign_causality(graph))
+    causal = select_states(complete_causality(graph))
     system = formulate(causal)
     lowered = lower(system)
     return CompiledModel(model, system, lowered, backend, time.perf_counter() - begin)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import pairwise
 
 import numpy as np
 
@@ -185,7 +186,7 @@ class Reference:
     def _write(self) -> None:
         for kind, bonds in zip(self.kinds, self.at, strict=False):
             common = 0 if kind is JunctionKind.ZERO else 1
-            for (one, _), (other, _) in zip(bonds, bonds[1:], strict=False):
+            for (one, _), (other, _) in pairwise(bonds):
                 self._row((2 * one + common, 1.0), (2 * other + common, -1.0))
             if bonds:
                 self._row(*((2 * bond + 1 - common, sign) for bond, sign in bonds))
@@ -269,7 +270,7 @@ class Reference:
         return found
 
     def slopes(self, series: FloatArray, time: float) -> FloatArray:
-        """How the coefficients of all equations change with the coefficients of Y: (orders, rows, orders + 1, columns)."""
+        """How the coefficients of all equations change with those of Y: (orders, rows, orders + 1, columns)."""
         orders = len(series) - 1
         along = np.zeros((orders, self.count, self.count))  # the matrix of Y, as a series
         along[0] = self.A

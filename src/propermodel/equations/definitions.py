@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure
 from propermodel.causality.causal import CausalGraph
-from propermodel.diagnostics import Path
+from propermodel.diagnostics import Path, StructureError
 from propermodel.equations.system import BlockKind
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol
 from propermodel.modelling.model import (
+    Coordinate,
     ElementKind,
     Freeze,
     JunctionKind,
     PowerSource,
     Resistive,
+    Result,
     Storage,
     TwoPort,
     Variable,
@@ -41,9 +43,20 @@ class Dependent:
     """Storage in derivative causality: its stored quantity, whose rate is the unknown it answers with."""
 
     element: Element
+    coordinate: Coordinate
     unknown: Expr
     stored: Expr  # the stored quantity, whose rate the unknown is
     kind: BlockKind = BlockKind.DEPENDENT
+
+
+@dataclass(frozen=True, slots=True)
+class Implied:
+    """A law that answers with what it takes: the unknown is where the law gives the value that its port has."""
+
+    element: Element
+    unknown: Expr
+    law: Expr
+    value: Expr
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +76,7 @@ class Definitions:
 
     values: dict[Expr, Expr] = field(default_factory=dict[Expr, Expr])
     dependents: list[Dependent] = field(default_factory=list[Dependent])
+    implied: list[Implied] = field(default_factory=list[Implied])
     lockables: list[Lockable] = field(default_factory=list[Lockable])
     laws: list[Expr] = field(default_factory=list[Expr])  # results of resistance laws: candidates for tearing
 
@@ -172,28 +186,29 @@ def _define_resistance(
     behaviour: Resistive,
     ports: dict[str, Bond | None],
 ) -> None:
-    for law in behaviour.laws:
-        fits = all(
-            (bond := ports[r.port]) is None or causal.receives_effort(bond, element) is (r.variable is Variable.FLOW)
-            for r in law.results
-        )
-        if not fits:
+    def fits(result: Result) -> bool:
+        bond = ports[result.port]
+        return bond is None or causal.receives_effort(bond, element) is (result.variable is Variable.FLOW)
+
+    law = max(behaviour.laws, key=lambda law: sum(map(fits, law.results)))
+    for result in law.results:
+        bond = ports[result.port]
+        if bond is None:
             continue
-        for result in law.results:
-            bond = ports[result.port]
-            if bond is None:
-                continue
-            target = variables.of(bond, result.variable)
-            if behaviour.locked is not None and result.variable is Variable.EFFORT:
-                flow = variables.of(bond, Variable.FLOW)
-                unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
-                found.lockables.append(Lockable(element, unknown, result.value, flow, behaviour.locked))
-                found.values[target] = unknown
-            else:
-                found.values[target] = result.value
-                found.laws.append(target)
-        return
-    raise AssertionError(f"no law of {element.path} fits its strokes")
+        target = variables.of(bond, result.variable)
+        if not fits(result):
+            answer = variables.of(bond, result.variable.other)
+            unknown = symbol(SymbolKind.UNKNOWN, answer.data.path, answer.data.unit)
+            found.implied.append(Implied(element, unknown, result.value, target))
+            found.values[answer] = unknown
+        elif behaviour.locked is not None and result.variable is Variable.EFFORT:
+            flow = variables.of(bond, Variable.FLOW)
+            unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+            found.lockables.append(Lockable(element, unknown, result.value, flow, behaviour.locked))
+            found.values[target] = unknown
+        else:
+            found.values[target] = result.value
+            found.laws.append(target)
 
 
 def _define_storage(
@@ -208,23 +223,27 @@ def _define_storage(
     output = Variable.EFFORT if is_c else Variable.FLOW
     kind = SymbolKind.DISPLACEMENT if is_c else SymbolKind.MOMENTUM
     stored = dict(behaviour.stored)
-    if element.path in causal.derivative:
-        (port,) = element.ports
+    stated = {port for port in stored if port not in dependent_ports(causal, element, ports)}
+    for (port, expr), coordinate in zip(stored.items(), behaviour.coordinates, strict=True):
         bond = ports[port]
-        assert bond is not None
-        assert behaviour.inverse is not None
-        target = variables.of(bond, output.other)
+        if port in stated or bond is None:
+            continue
+        target, given = variables.of(bond, output.other), variables.of(bond, output)
         unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
-        coordinate = behaviour.coordinates[0]
         state = symbol(SymbolKind.STATE, element.path / coordinate.name, coordinate.unit)
         found.values[target] = unknown
-        found.values[state] = behaviour.inverse
-        found.values[symbol(kind, element.path / port / kind.value, coordinate.unit)] = state
-        found.dependents.append(Dependent(element, unknown, state))
-        return
+        if behaviour.inverse is not None:
+            found.values[state] = behaviour.inverse
+        elif expr == state:
+            content = symbol(SymbolKind.UNKNOWN, Path((*element.path, port, coordinate.name)), coordinate.unit)
+            found.values[state] = content
+            found.implied.append(Implied(element, content, dict(behaviour.outputs)[port], given))
+        else:
+            raise _mixed_coordinates(element)
+        found.dependents.append(Dependent(element, coordinate, unknown, state))
     for port, law in behaviour.outputs:
         bond = ports[port]
-        if bond is not None:
+        if bond is not None and port in stated:
             found.values[variables.of(bond, output)] = law
     domain_unit = {"displacement": "displacement_unit", "momentum": "momentum_unit"}[kind.value]
     for port, expr in stored.items():
@@ -232,6 +251,23 @@ def _define_storage(
         if bond is not None:
             unit = getattr(causal.graph.domains[bond.domain], domain_unit)
             found.values[symbol(kind, element.path / port / kind.value, unit)] = expr
+
+
+def dependent_ports(causal: CausalGraph, element: Element, ports: Mapping[str, Bond | None]) -> frozenset[str]:
+    """The ports of a storage where the rest of the graph decides what its law gives."""
+    receives = element.kind is ElementKind.COMPLIANCE
+    return frozenset(
+        port for port, bond in ports.items() if bond is not None and causal.receives_effort(bond, element) is receives
+    )
+
+
+def _mixed_coordinates(element: Element) -> StructureError:
+    return StructureError.of(
+        "causality/no-inverse",
+        f"{element.path} depends on other storage, and its coordinates are not what its ports store",
+        source=element.source,
+        help="choose the stored quantities of its ports as coordinates, or let it have its own effort or flow",
+    )
 
 
 # -- bonds that simplification took away ---------------------------------------------------------------

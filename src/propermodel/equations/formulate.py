@@ -8,7 +8,7 @@ from propermodel.bondgraph.graph import Element
 from propermodel.causality.causal import CausalGraph
 from propermodel.diagnostics import Diagnostic, Involved, Path, Source, StructureError
 from propermodel.equations.condense import condense
-from propermodel.equations.definitions import Definitions, Variables, define
+from propermodel.equations.definitions import Definitions, Variables, define, dependent_ports
 from propermodel.equations.loops import Resolution, strong_components
 from propermodel.equations.rows import rows_of
 from propermodel.equations.sequence import in_sequence
@@ -146,17 +146,20 @@ def _storage_states(
     state_kind = StateKind.DISPLACEMENT if is_c else StateKind.MOMENTUM
     symbols = [symbol(SymbolKind.STATE, element.path / c.name, c.unit) for c in storage.coordinates]
     inflows = [resolution.values[variables.of(bonds[element.path / port], driver)] for port, _ in storage.stored]
-    stored = [resolution.complete(expr) for _, expr in storage.stored]
-    if stored == symbols:
+    if [expr for _, expr in storage.stored] == symbols:
         rates = inflows
     else:
+        stored = [resolution.complete(expr) for _, expr in storage.stored]
         # Coordinates of the author's choice: (dq/dc) dc/dt = inflow.
         partials = partial_derivatives(stored, symbols)
         matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
         rates = eliminate(matrix, inflows, [element.path] * len(symbols))
+    ports = {port: bonds[element.path / port] for port, _ in storage.stored}
+    dependent = dependent_ports(causal, element, ports)
     return [
         _state(element.path, coordinate, state_kind, rate, element.source)
-        for coordinate, rate in zip(storage.coordinates, rates, strict=True)
+        for coordinate, rate, (port, _) in zip(storage.coordinates, rates, storage.stored, strict=True)
+        if port not in dependent
     ]
 
 
@@ -170,9 +173,7 @@ def _dependents(
     slopes = partial_derivatives(rates, [dependent.unknown for dependent in definitions.dependents])
     found: list[DependentStorage] = []
     for dependent in definitions.dependents:
-        behaviour = dependent.element.behaviour
-        assert isinstance(behaviour, Storage)
-        (coordinate,) = behaviour.coordinates
+        coordinate = dependent.coordinate
         found.append(
             DependentStorage(
                 element=dependent.element.path,
@@ -196,12 +197,16 @@ def _dependents(
 
 def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr]) -> list[Unknown]:
     """Every unknown with its residual: torn loops, dependent storage, locked resistances."""
-    found: list[Unknown] = []
-    for unknown in resolution.torn:
-        residual = unknown - resolution.torn_value(unknown)
-        found.append(Unknown(unknown, residual, unknown.data.path.parent.parent, BlockKind.LOOP))
+    found = [
+        Unknown(unknown, unknown - resolution.torn_value(unknown), unknown.data.path.parent.parent, BlockKind.LOOP)
+        for unknown in resolution.torn
+    ]
+    found += [
+        Unknown(implied.unknown, resolution.complete(implied.value - implied.law), implied.element.path, BlockKind.LOOP)
+        for implied in definitions.implied
+    ]
     answers = {d.unknown for d in definitions.dependents} | {x.unknown for x in definitions.lockables}
-    drifting = _RateUnknowns(resolution, rates, answers)
+    drifting = _RateUnknowns({unknown.symbol: unknown for unknown in found}, rates, answers)
     for dependent in definitions.dependents:
         rate = drifting.rate_of(resolution.values[dependent.stored], dependent.element)
         found.append(Unknown(dependent.unknown, dependent.unknown - rate, dependent.element.path, BlockKind.DEPENDENT))
@@ -219,16 +224,16 @@ def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr
 
 
 class _RateUnknowns:
-    """Rates of change along the solution; the rate of a torn variable is a further unknown."""
+    """Rates of change along the solution; the rate of an algebraic unknown is a further unknown."""
 
-    def __init__(self, resolution: Resolution, rates: dict[Expr, Expr], answers: set[Expr]) -> None:
-        self.resolution = resolution
+    def __init__(self, algebraic: dict[Expr, Unknown], rates: dict[Expr, Expr], answers: set[Expr]) -> None:
+        self.algebraic = algebraic
         self.rates = dict(rates)
         self.answers = answers
         self.unknowns: list[Unknown] = []
 
     def rate_of(self, expr: Expr, element: Element) -> Expr:
-        """The rate of an expression of states, time and torn variables."""
+        """The rate of an expression of states, time and algebraic unknowns."""
         met: list[tuple[Expr, Path, Expr]] = []
         pending = [expr]
         while pending:
@@ -237,11 +242,11 @@ class _RateUnknowns:
                     continue
                 if leaf in self.answers:
                     raise _higher_index(element, leaf)
-                torn = self.resolution.torn_value(leaf)
+                of = self.algebraic[leaf]
                 path = leaf.data.path
                 self.rates[leaf] = symbol(SymbolKind.UNKNOWN, path.parent / f"{path.name}_rate", "")
-                met.append((self.rates[leaf], path.parent.parent, leaf - torn))
-                pending.append(torn)
+                met.append((self.rates[leaf], of.element, of.residual))
+                pending.append(of.residual)
         self.unknowns.extend(
             Unknown(rate, self._derive(residual), path, BlockKind.LOOP) for rate, path, residual in met
         )

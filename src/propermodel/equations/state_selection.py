@@ -3,7 +3,7 @@
 Storage that depends on other storage leaves a choice of states. A bad choice sends efforts backwards through parts
 that only know one direction (a lossy gear), which makes algebraic loops, or divides by a modulus that can vanish (the
 sine of an angle). The search moves single storages to the end or the front of the order of assignment while that
-helps.
+helps. Where dependent storage would still depend on its own answer, laws may be solved for what they take instead.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from propermodel.bondgraph.graph import Element, Structure
 from propermodel.causality.assign import assign_causality
 from propermodel.causality.causal import CausalGraph
+from propermodel.causality.completion import assign_beyond_laws
 from propermodel.diagnostics import Path, StructureError
 from propermodel.equations.definitions import define
 from propermodel.equations.loops import strong_components
@@ -27,6 +28,14 @@ Score = tuple[int, int, int]
 
 def select_states(causal: CausalGraph) -> CausalGraph:
     """The same graph with the best states found, or the given one where there is nothing to gain."""
+    found = _search(causal)
+    if not found.derivative or not _answers_itself(found):
+        return found
+    other = assign_beyond_laws(causal.graph)
+    return found if other is None or _answers_itself(other) else other
+
+
+def _search(causal: CausalGraph) -> CausalGraph:
     elements = [e.path for e in causal.graph.normal.elements.values() if e.kind.is_storage]
     if not causal.derivative or len(elements) > MOST_STORAGES:
         return causal
@@ -128,3 +137,20 @@ def _looped_variables(causal: CausalGraph) -> int:
         if reached and (len(component) > 1 or component[0] in uses[component[0]]):
             count += len(component)
     return count
+
+
+def _answers_itself(causal: CausalGraph) -> bool:
+    """Whether the content of dependent storage follows from what dependent storage answers: a higher index."""
+    found = define(causal)
+    sources = found.values | {item.unknown: item.value - item.law for item in found.implied}
+    answers = {dependent.unknown for dependent in found.dependents}
+    pending = [dependent.stored for dependent in found.dependents]
+    seen: set[Expr] = set(pending)
+    while pending:
+        for leaf in leaves(sources[pending.pop()]):
+            if leaf in answers:
+                return True
+            if leaf in sources and leaf not in seen:
+                seen.add(leaf)
+                pending.append(leaf)
+    return False

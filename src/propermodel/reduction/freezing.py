@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from propermodel.bondgraph.flatten import flatten
-from propermodel.causality.assign import assign_causality
 from propermodel.causality.causal import CausalGraph
+from propermodel.causality.completion import complete_causality
 from propermodel.diagnostics import Path
 from propermodel.equations.definitions import define
 from propermodel.expressions.core import Expr, SymbolKind, leaves
@@ -34,7 +34,7 @@ def signals_to_freeze(evidence: RunEvidence, removals: Iterable[Removal]) -> tup
     full = evidence.compiled.graph
     reduced = flatten(evidence.compiled.model.without(removals))
     gone = set(full.normal.elements) - set(reduced.normal.elements)
-    needed = _needed_signals(assign_causality(reduced))
+    needed = _needed_signals(complete_causality(reduced))
     found: list[Freeze] = []
     for signal in needed:
         value = full.signals[signal]
