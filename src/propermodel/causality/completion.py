@@ -1,9 +1,9 @@
 """Strokes for graphs where laws alone do not give a causality: elements then answer with what their law takes.
 
 A resistance that only offers its effort may have to answer with its flow, and storage without an inverse law may
-depend on others; formulation solves such a law for the variable that is due, if it has one for every value. What the junction structure asks for
-stays: one bond sets the common variable of each junction, and two-ports pass causality on. Where no strokes satisfy
-that, the equations of the graph are structurally singular.
+depend on others; formulation solves such a law for the variable that is due, if it has one for every value. What the
+junction structure asks for stays: one bond sets the common variable of each junction, and two-ports pass causality
+on. Where no strokes satisfy that, the equations of the graph are structurally singular.
 """
 
 from __future__ import annotations

@@ -284,6 +284,9 @@ def _recover(found: Definitions, graph: BondGraph, variables: Variables) -> None
             for variable in Variable:
                 recovery.known.add((name, variable))
                 recovery.touch(name)
+    for element in original.elements.values():
+        if isinstance(element.behaviour, PowerSource) and element.path not in graph.normal.elements:
+            recovery.pending[element.path] = None
     recovery.run(original)
     _recover_storage(found, graph)
 
@@ -351,10 +354,19 @@ class _Recovery:
                     self.learn(a, variable, m * from_b if upward else divide(from_b, m))
                 if (a.name, variable) in self.known:
                     self.learn(b, across, divide(from_a, m) if upward else m * from_a)
+        elif isinstance(behaviour, PowerSource):
+            self.at_idle_source(behaviour, bonds)
         elif isinstance(behaviour, Resistive) and len(bonds) == 1 and bonds[0].name not in self.removed:
             self.at_idle_resistance(element, behaviour, bonds[0])
         elif isinstance(behaviour, Storage) and len(bonds) == 1 and bonds[0].name not in self.removed:
             self.at_idle_storage(behaviour, bonds[0])
+
+    def at_idle_source(self, behaviour: PowerSource, bonds: list[Bond]) -> None:
+        """A source without anything to act on still has the value that it prescribes."""
+        variable = Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
+        for bond in bonds:
+            if bond.name not in self.removed:
+                self.learn(bond, variable, behaviour.value)
 
     def at_idle_resistance(self, element: Element, behaviour: Resistive, bond: Bond) -> None:
         if bond.name in self.graph.normal.bonds:
