@@ -9,7 +9,7 @@ determine.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
@@ -324,8 +324,18 @@ class Reference:
                 return orders - 1
         return most + 1
 
-    def solve(self, held: Mapping[str, float], time: float, orders: int, guess: FloatArray | None = None) -> Solution:
-        """The coefficients of Y when some stored quantities have given values."""
+    def solve(
+        self,
+        held: Mapping[str, float],
+        time: float,
+        orders: int,
+        wanted: Sequence[int],
+        guess: FloatArray | None = None,
+    ) -> Solution:
+        """The coefficients of Y when some stored quantities have given values.
+
+        The solution says whether the `wanted` unknowns and the rates of what is held are unique.
+        """
         fixed = np.zeros((orders + 1, self.count), dtype=bool)
         series = np.zeros((orders + 1, self.count)) if guess is None else guess.copy()
         for path, value in held.items():
@@ -333,6 +343,7 @@ class Reference:
             series[0, self.stored[path]] = value
         free = ~fixed.reshape(-1)
         error = np.inf
+        slopes = np.zeros((0, 0))
         for _ in range(60):
             residual = self.residuals(series, time).reshape(-1)
             error = float(np.max(np.abs(residual)))
@@ -341,10 +352,10 @@ class Reference:
                 break
             step = np.linalg.lstsq(slopes, residual, rcond=1e-12)[0]
             series = self._advance(series, free, step, time, error)
-        wanted = np.zeros((orders + 1, self.count), dtype=bool)
-        wanted[0, self.port_columns] = True
-        wanted[1, list(self.stored.values())] = True
-        columns = np.flatnonzero(wanted.reshape(-1)[free])
+        asked = np.zeros((orders + 1, self.count), dtype=bool)
+        asked[0, list(wanted)] = True
+        asked[1, [self.stored[path] for path in held]] = True
+        columns = np.flatnonzero(asked.reshape(-1)[free])
         return Solution(self, series, error, _determined(slopes, columns))
 
     def _advance(self, series: FloatArray, free: FloatArray, step: FloatArray, time: float, error: float) -> FloatArray:
@@ -363,17 +374,17 @@ class Reference:
 
 @dataclass(frozen=True)
 class Solution:
-    """The coefficients of a solution, the worst residual, and whether ports and rates are unique."""
+    """The coefficients of a solution, the worst residual, and whether what was asked for is unique."""
 
     reference: Reference
     series: FloatArray
     error: float
     is_unique: bool
 
-    def port(self, path: str) -> tuple[float, float]:
-        """Effort and flow of a port."""
-        column = self.reference.ports[path]
-        return float(self.series[0, column]), float(self.series[0, column + 1])
+    @property
+    def is_found(self) -> bool:
+        """Whether the equations hold."""
+        return self.error < 1e-10 * max(1.0, float(np.max(np.abs(self.series))))
 
     def rate(self, path: str) -> float:
         """The rate of a stored quantity."""
@@ -398,7 +409,8 @@ def _determined(matrix: FloatArray, columns: FloatArray) -> bool:
     """Whether a linear system with this matrix gives these unknowns."""
     if not len(columns):
         return True
-    _, values, rows = np.linalg.svd(matrix)
+    scaled = matrix / np.maximum(np.max(np.abs(matrix), axis=1, keepdims=True), 1e-300)
+    _, values, rows = np.linalg.svd(scaled)
     rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
     null = rows[rank:]
     return not len(null) or float(np.max(np.abs(null[:, columns]))) < 1e-6

@@ -23,6 +23,7 @@ from propermodel.equations.system import (
     StateVariable,
     Stored,
 )
+from propermodel.equations.vanishing import is_independent
 from propermodel.expressions.core import (
     ONE,
     TIME,
@@ -237,10 +238,13 @@ class _RateUnknowns:
         met: list[tuple[Expr, Path, Expr]] = []
         pending = [expr]
         while pending:
-            for leaf in leaves(pending.pop()):
+            top = pending.pop()
+            for leaf in leaves(top):
                 if leaf.data.kind is not SymbolKind.UNKNOWN or leaf in self.rates:
                     continue
                 if leaf in self.answers:
+                    if is_independent(top, leaf):
+                        continue
                     raise _higher_index(element, leaf)
                 of = self.algebraic[leaf]
                 path = leaf.data.path

@@ -1,0 +1,58 @@
+"""Whatever is drawn: it is answered as dense linear algebra answers it, or refused because it has no one answer."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from tests.properties.answers import Answer, Outcome, answer_to, compiled, drawn
+
+SEEDS = range(520)
+
+
+@pytest.fixture(scope="module")
+def answers() -> dict[int, Answer]:
+    """The answers to all graphs; `pytest -s` shows how many there are of each kind."""
+    found = {seed: answer_to(drawn(seed), compiled(seed), seed) for seed in SEEDS}
+    for (outcome, code), count in Counter((a.outcome, a.code) for a in found.values()).most_common():
+        print(f"{count:5} {outcome}{f' ({code})' if code else ''}")
+    return found
+
+
+def seeds_of(answers: dict[int, Answer], outcome: Outcome) -> list[int]:
+    return [seed for seed, answer in answers.items() if answer.outcome is outcome]
+
+
+def test_most_graphs_are_accepted(answers: dict[int, Answer]):
+    refused = seeds_of(answers, Outcome.REFUSED) + seeds_of(answers, Outcome.WRONGLY_REFUSED)
+    assert len(answers) >= 500
+    assert len(refused) <= 0.2 * len(answers)
+
+
+def test_what_is_refused_is_singular(answers: dict[int, Answer]):
+    assert seeds_of(answers, Outcome.WRONGLY_REFUSED) == []
+    assert len(seeds_of(answers, Outcome.REFUSED)) >= 10  # the graphs include what must be refused
+
+
+def test_efforts_flows_and_rates_are_those_of_the_reference(answers: dict[int, Answer]):
+    assert seeds_of(answers, Outcome.DIFFERS) == []
+    assert len(seeds_of(answers, Outcome.UNSOLVED)) <= 0.01 * len(answers)
+
+
+def test_almost_all_that_is_determined_is_given(answers: dict[int, Answer]):
+    """A law that is given one way only says nothing at an element that simplification leaves idle."""
+    regular = [a for a in answers.values() if a.outcome is Outcome.AGREES and a.verdict != "singular"]
+    assert sum(a.undetermined > 0 for a in regular) <= 0.01 * len(regular)
+
+
+def test_graphs_are_webs_of_many_kinds():
+    graphs = [drawn(seed) for seed in SEEDS]
+    loops = [len(g.wires) + len(g.couplers) - len(g.knots) + 1 for g in graphs]
+    assert sum(n > 0 for n in loops) > 200
+    assert sum(len({k.domain for k in g.knots}) > 1 for g in graphs) > 200
+    assert sum(bool(g.fields) for g in graphs) > 80
+    assert sum(any(two.modulus.depth for two in g.couplers) for g in graphs) > 80
+    models = [m for m in map(compiled, SEEDS) if not isinstance(m, Exception)]
+    assert sum(bool(m.system.dependents) for m in models) > 150
+    assert sum(bool(m.system.blocks or m.system.solved) for m in models) > 200
