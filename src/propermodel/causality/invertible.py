@@ -1,6 +1,7 @@
 """Whether a law can be solved for what it takes: it must rise or fall everywhere, as far as samples show.
 
-A friction force that saturates, a dead band or a law with a hump has no inverse; nor is one assumed where tables or
+A friction force that saturates, a dead band or a law with a hump has no inverse. A law that is flat at zero (the square
+or cube of a flow) has one, but Newton's method does not find it there. Nor is an inverse assumed where tables or
 signals decide, since their values come with a run.
 """
 
@@ -63,7 +64,11 @@ class Inversion:
         samples = [*(-x for x in reversed(_SAMPLES)), 0.0, *_SAMPLES]
         values = [value for x in samples if math.isfinite(value := interpret(law, {**given, leaf: x}))]
         rises = [b - a for a, b in pairwise(values)]
-        return len(rises) > len(_SAMPLES) and (all(x > 0.0 for x in rises) or all(x < 0.0 for x in rises))
+        if len(rises) <= len(_SAMPLES) or not (all(x > 0.0 for x in rises) or all(x < 0.0 for x in rises)):
+            return False
+        middle, near, far = (interpret(law, {**given, leaf: x}) for x in (0.0, _SAMPLES[0], _SAMPLES[3]))
+        slope, chord = (near - middle) / _SAMPLES[0], (far - middle) / _SAMPLES[3]
+        return abs(slope) > 0.5 * abs(chord)
 
 
 def _port_variable(element: Element, port: str, variable: Variable) -> tuple[SymbolKind, Path]:
