@@ -91,6 +91,9 @@ if TYPE_CHECKING:
     from propermodel.analysis.comparison import Comparison, compare
     from propermodel.analysis.linear_model import LinearModel
     from propermodel.analysis.linearise import linearise
+    from propermodel.analysis.modes import Mode, Modes
+    from propermodel.analysis.responses import FrequencyResponse, TimeResponse
+    from propermodel.analysis.transfer import TransferFunction
     from propermodel.causality.report import CausalReport, explain_causality
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
     from propermodel.equations.matrices import SymbolicMatrices, symbolic_matrices
@@ -108,18 +111,24 @@ if TYPE_CHECKING:
 _WHEN_USED = {
     "ActivityRanking": "analysis.activity",
     "Backend": "compiler",
-    "Comparison": "analysis.comparison",
     "CausalReport": "causality.report",
+    "Comparison": "analysis.comparison",
     "CompiledModel": "compiler",
     "EnergyBalance": "analysis.balance",
     "Equilibrium": "simulation.equilibrium",
+    "FrequencyResponse": "analysis.responses",
     "LinearModel": "analysis.linear_model",
     "Method": "compiler",
+    "Mode": "analysis.modes",
+    "Modes": "analysis.modes",
     "ReadableEquations": "equations.readable",
     "Reduction": "reduction.plan",
     "ReductionStudy": "report.study",
     "StudyOptions": "report.study",
+    "SymbolicMatrices": "equations.matrices",
+    "TimeResponse": "analysis.responses",
     "Trajectory": "simulation.trajectory",
+    "TransferFunction": "analysis.transfer",
     "compare": "analysis.comparison",
     "compile_model": "compiler",
     "energy_balance": "analysis.balance",
@@ -135,7 +144,6 @@ _WHEN_USED = {
     "save_trajectory": "simulation.storage",
     "simulate": "simulation.simulate",
     "state_equations": "equations.readable",
-    "SymbolicMatrices": "equations.matrices",
     "symbolic_matrices": "equations.matrices",
     "write_model": "modelling.documents",
     "write_scenario": "modelling.documents",
@@ -240,6 +248,11 @@ __all__ = [
     "Equilibrium",
     "linearise",
     "LinearModel",
+    "Modes",
+    "Mode",
+    "FrequencyResponse",
+    "TimeResponse",
+    "TransferFunction",
     # activity and energy
     "rank_activity",
     "ActivityRanking",

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 
+from propermodel.analysis.modes import Modes, modes_of
+from propermodel.analysis.responses import (
+    FrequencyResponse,
+    TimeResponse,
+    frequency_response,
+    impulse_response,
+    step_response,
+)
+from propermodel.analysis.spectrum import all_values, roots_of
+from propermodel.analysis.transfer import TransferFunction, transfer_function
 from propermodel.codegen.machine import FloatArray
 from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
@@ -69,8 +80,7 @@ class LinearModel:
     @property
     def poles(self) -> np.ndarray[Any, np.dtype[np.complex128]]:
         """The eigenvalues of A, 1/s, slowest first."""
-        found = np.linalg.eigvals(self.A).astype(np.complex128)
-        return found[np.lexsort((found.imag, np.abs(found)))]
+        return all_values(roots_of(self.A))
 
     @property
     def is_stable(self) -> bool:
@@ -113,16 +123,68 @@ class LinearModel:
             )
         return self.B + self.A @ self.B_rate, self.D + self.C @ self.B_rate
 
+    def modes(self) -> Modes:
+        """How small deviations decay, oscillate or grow by themselves, and which states and elements take part."""
+        return modes_of(self)
+
+    def frequency_response(self, omega: Iterable[float] | FloatArray) -> FrequencyResponse:
+        """The steady answer of every output to harmonic inputs.
+
+        Args:
+            omega: Angular frequencies, rad/s.
+
+        Raises:
+            SimulationError: an undamped mode has one of the frequencies.
+        """
+        return frequency_response(self, omega)
+
+    def step_response(
+        self, input: Expr | Path | str | None = None, *, duration: float | None = None, points: int = 501
+    ) -> TimeResponse:
+        """The answer to an input that grows by 1 (in SI) at time 0 and stays.
+
+        Args:
+            input: Which input; may be left out if there is only one.
+            duration: Length of the answer, s; by default long enough for the slowest mode.
+            points: Number of instants, equidistant. Values are exact at each.
+
+        Raises:
+            SimulationError: the input is unknown, an output follows its rate, or the answer grows beyond all numbers.
+        """
+        return step_response(self, input, duration, points)
+
+    def impulse_response(
+        self, input: Expr | Path | str | None = None, *, duration: float | None = None, points: int = 501
+    ) -> TimeResponse:
+        """The answer to an input that is an impulse of area 1 (in SI) at time 0; arguments as for a step."""
+        return impulse_response(self, input, duration, points)
+
+    def transfer_function(
+        self, input: Expr | Path | str | None = None, output: Expr | Path | str | None = None
+    ) -> TransferFunction:
+        """Zeros, poles and gain from an input to an output; names may be left out where there is only one.
+
+        Raises:
+            SimulationError: there is no such input or output.
+        """
+        return transfer_function(self, input, output)
+
     def to_control(self) -> Any:
         """The model as a `StateSpace` of python-control, with names; needs the extra `control`.
 
         Its names cannot hold dots, so those of paths become underscores.
 
         Raises:
-            SimulationError: an output follows the rate of an input.
+            SimulationError: an output follows the rate of an input, or python-control is not installed.
         """
-        import control
-
+        try:
+            import control
+        except ImportError:
+            raise SimulationError.of(
+                "linear/no-control",
+                "python-control is not installed",
+                help="pip install 'propermodel[control]'",
+            ) from None
         B, D = self.input_matrices()
         return control.StateSpace(
             self.A,
@@ -169,6 +231,8 @@ class LinearModel:
 
 
 def _matrix_lines(letter: str, matrix: FloatArray) -> list[str]:
+    if matrix.size == 0:
+        return []
     if max(matrix.shape) > MOST_PRINTED:
         return [f"  {letter}: {matrix.shape[0]} x {matrix.shape[1]}, {np.count_nonzero(matrix)} entries are not zero"]
     texts = [[f"{value:.6g}" for value in row] for row in matrix.tolist()]

@@ -1,0 +1,176 @@
+"""Eigenvalues of a real matrix, those that rounding cannot tell apart taken together.
+
+A double eigenvalue (a free mass, critical damping) comes out of any algorithm as two that differ by the root of the
+rounding error; their mean is exact to rounding, and the subspace that they span together is well defined (Golub and
+Van Loan (2013), Matrix Computations, 7.2 and 7.6).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import get_lapack_funcs, matrix_balance, rsf2csf, schur, solve_sylvester, solve_triangular
+
+from propermodel.codegen.machine import FloatArray
+
+ComplexArray = np.ndarray[Any, np.dtype[np.complex128]]
+ROUNDING = 10.0 * float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """An eigenvalue, or two that are conjugate, of which this is the one with the positive imaginary part."""
+
+    value: complex
+    multiplicity: int
+    uncertainty: float  # rounding error of the value
+    vector: ComplexArray  # a right eigenvector
+    shares: ComplexArray  # diagonal of the projection on what belongs to it; its sum is the multiplicity
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether the conjugate is an eigenvalue too."""
+        return self.value.imag > 0.0
+
+
+def roots_of(matrix: FloatArray, least_norm: float = 0.0) -> tuple[Root, ...]:
+    """The eigenvalues of a real matrix, smallest first, with eigenvectors and projections.
+
+    Args:
+        matrix: The matrix, square.
+        least_norm: The size of what the matrix was computed from, where it may be larger: rounding counts from it.
+    """
+    if not len(matrix):
+        return ()
+    evened, scale = balanced(matrix)
+    form: Any = schur(evened, output="real")
+    real: FloatArray = form[0]
+    triangle, basis = rsf2csf(real, form[1])
+    values = _values(real, triangle)
+    left, right, conditions = _vectors(triangle, values)
+    left, right = basis @ left, basis @ right
+    norm = max(float(np.linalg.norm(real)), least_norm, 1e-300)
+    uncertainty = ROUNDING * norm / conditions
+    roots: list[Root] = []
+    for members in _clusters(values, uncertainty):
+        if len(members) == 1:
+            (index,) = members
+            vector, found, error = right[:, index], values[index], float(uncertainty[index])
+            dual = left[:, index].conj()
+            shares = vector * dual / np.dot(dual, vector)
+        else:
+            found, error, vector, shares = _together(triangle, basis, values, members, norm)
+        value = complex(
+            0.0 if abs(found.real) <= error else found.real,
+            0.0 if abs(found.imag) <= error else found.imag,
+        )
+        vector = vector * scale
+        roots.append(Root(value, len(members), error, vector / np.linalg.norm(vector), shares))
+    return tuple(sorted(roots, key=lambda root: (abs(root.value), root.value.real)))
+
+
+def balanced(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The matrix in states of comparable sizes z, and the factors f of x = f z."""
+    if not len(matrix):
+        return matrix, np.zeros(0)
+    scaled: Any = matrix_balance(matrix, permute=False, separate=True)
+    return scaled[0], scaled[1][0]
+
+
+def all_values(roots: tuple[Root, ...]) -> ComplexArray:
+    """Every eigenvalue as often as it occurs, with conjugates."""
+    found: list[complex] = []
+    for root in roots:
+        both = (root.value, root.value.conjugate()) if root.is_pair else (root.value,)
+        found.extend(value for value in both for _ in range(root.multiplicity))
+    return np.array(found, dtype=np.complex128)
+
+
+def _values(real: FloatArray, triangle: ComplexArray) -> ComplexArray:
+    """The diagonal of a complex Schur form, conjugates exactly conjugate."""
+    values = np.diag(triangle).copy()
+    pairs = np.flatnonzero(np.diag(real, -1))
+    upper = np.where(values[pairs].imag > 0.0, values[pairs], values[pairs].conj())
+    is_first_upper = values[pairs].imag > 0.0
+    values[pairs] = np.where(is_first_upper, upper, upper.conj())
+    values[pairs + 1] = values[pairs].conj()
+    lone = np.setdiff1d(np.arange(len(values)), np.concatenate((pairs, pairs + 1)))
+    values[lone] = values[lone].real
+    return values
+
+
+def _vectors(triangle: ComplexArray, values: ComplexArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """Left and right eigenvectors of a triangular matrix, columns of length 1, and the cosine between the two."""
+    count = len(values)
+    left, right = np.eye(count, dtype=np.complex128), np.eye(count, dtype=np.complex128)
+    least = ROUNDING * max(float(np.linalg.norm(triangle)), 1e-300)
+    shifted = np.array(triangle, order="F")
+    for index, value in enumerate(values):
+        gaps = values - value
+        gaps[np.abs(gaps) < least] = least
+        np.fill_diagonal(shifted, gaps)
+        before, after = slice(0, index), slice(index + 1, count)
+        if index:
+            right[before, index] = solve_triangular(
+                shifted[before, before], -triangle[before, index], check_finite=False
+            )
+        if index + 1 < count:
+            left[after, index] = solve_triangular(
+                shifted[after, after], -triangle[index, after].conj(), trans=2, check_finite=False
+            )
+    left /= np.linalg.norm(left, axis=0)
+    right /= np.linalg.norm(right, axis=0)
+    conditions = np.abs(np.sum(left.conj() * right, axis=0))
+    return left, right, np.maximum(conditions, 1e-300)
+
+
+def _clusters(values: ComplexArray, uncertainty: FloatArray) -> list[list[int]]:
+    """Indices of eigenvalues that rounding cannot tell apart; of conjugate clusters only the upper one."""
+    left = [index for index in range(len(values)) if values[index].imag >= 0.0]
+    conjugates = {
+        index: other
+        for index in left
+        if values[index].imag > 0.0
+        for other in (index - 1, index + 1)
+        if 0 <= other < len(values) and values[other] == values[index].conjugate()
+    }
+    left.sort(key=lambda index: (values[index].real, values[index].imag))
+    clusters: list[list[int]] = []
+    while left:
+        members = [left.pop()]
+        grown = 0
+        while grown < len(members):
+            index = members[grown]
+            near = [
+                other for other in left if abs(values[other] - values[index]) <= uncertainty[other] + uncertainty[index]
+            ]
+            left = [other for other in left if other not in near]
+            members.extend(near)
+            grown += 1
+        reaches_down = any(values[index].imag <= uncertainty[index] for index in members)
+        if reaches_down:
+            members.extend(conjugates[index] for index in tuple(members) if index in conjugates)
+        clusters.append(sorted(members))
+    return clusters
+
+
+def _together(
+    triangle: ComplexArray, basis: ComplexArray, values: ComplexArray, members: list[int], norm: float
+) -> tuple[complex, float, ComplexArray, ComplexArray]:
+    """The mean of a cluster, its rounding error, an eigenvector, and the diagonal of the projection."""
+    count, size = len(values), len(members)
+    chosen = np.zeros(count, dtype=np.int32)
+    chosen[members] = 1
+    (reorder,) = get_lapack_funcs(("trsen",), (triangle,))
+    room = max(1, 2 * size * (count - size))
+    triangle, basis, _, _, condition, _, _ = reorder(chosen, triangle, basis, job="E", lwork=room)
+    first, second = basis[:, :size], basis[:, size:]
+    dual = first.conj().T
+    if size < count:
+        inner, coupling, outer = triangle[:size, :size], triangle[:size, size:], triangle[size:, size:]
+        dual = dual + solve_sylvester(inner, -outer, coupling) @ second.conj().T
+    mean = complex(np.mean(values[members]))
+    error = ROUNDING * norm / max(float(condition), 1e-300)
+    return mean, error, first[:, 0], np.sum(first * dual.T, axis=1)
