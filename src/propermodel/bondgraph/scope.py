@@ -67,7 +67,8 @@ class Scope:
             case PowerSource():
                 return replace(behaviour, value=self(behaviour.value))
             case TwoPort():
-                return replace(behaviour, modulus=self(behaviour.modulus))
+                position = None if behaviour.position is None else self(behaviour.position)
+                return replace(behaviour, modulus=self(behaviour.modulus), position=position)
             case _:
                 raise TypeError(f"{behaviour!r} is not an element")
 

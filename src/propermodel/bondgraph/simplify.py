@@ -11,6 +11,7 @@ from dataclasses import replace
 from itertools import islice
 
 from propermodel.bondgraph.graph import Bond, Element, End, Junction
+from propermodel.bondgraph.mechanisms import hold, is_mechanism_output
 from propermodel.bondgraph.net import Net
 from propermodel.diagnostics import Involved, Path, StructureError
 from propermodel.expressions.core import ZERO, is_zero
@@ -77,7 +78,11 @@ def _zero_sources(net: Net) -> list[Zero]:
         behaviour = element.behaviour
         if isinstance(behaviour, PowerSource) and is_zero(behaviour.value) and element.path not in net.probes:
             variable = Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
-            found.extend((bond.name, variable) for bond in net.bonds_at(element.path))
+            found.extend(
+                (bond.name, variable)
+                for bond in net.bonds_at(element.path)
+                if variable is Variable.EFFORT or not is_mechanism_output(net, bond.other(element.path))
+            )
     return found
 
 
@@ -91,7 +96,9 @@ def _spread(net: Net, zero: Zero, pending: deque[Zero], removed: set[Path]) -> N
     for end in (bond.tail, bond.head):
         if end.owner not in net.incident:
             continue
-        if net.is_junction(end):
+        if variable is Variable.FLOW and is_mechanism_output(net, end):
+            hold(net, bond, end)
+        elif net.is_junction(end):
             if net.junctions[end.owner].kind.common is variable:
                 pending.extend((other, variable) for other in net.incident[end.owner])
                 if not net.incident[end.owner]:

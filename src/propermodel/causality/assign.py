@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Stroke, Why
+from propermodel.causality.closures import closures
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path, StructureError
 from propermodel.modelling.model import (
     ElementKind,
@@ -18,7 +19,9 @@ from propermodel.modelling.model import (
 )
 
 
-def assign_causality(graph: BondGraph, order: Sequence[Path] | None = None) -> CausalGraph:
+def assign_causality(
+    graph: BondGraph, order: Sequence[Path] | None = None, constraints: Sequence[Path] | None = None
+) -> CausalGraph:
     """Assign every causal stroke.
 
     Sources first, then laws with one causality, then storage (integral if possible), then free resistances.
@@ -26,15 +29,22 @@ def assign_causality(graph: BondGraph, order: Sequence[Path] | None = None) -> C
     Args:
         graph: The bond graph in normal form.
         order: In which order storage is offered integral causality; by default that of the model.
+        constraints: Flow sources whose effort is found from the rate of their flow; by default all that close a
+            kinematic loop, or none where that leaves a velocity open.
 
     Raises:
         StructureError: strokes contradict each other; the elements that forced them are named.
     """
+    if constraints is None:
+        return _assign_with_closures(graph, order)
     work = Assignment(graph)
     elements = graph.normal.elements.values()
     for element in elements:
         if isinstance(element.behaviour, PowerSource):
-            work.fix(element, work.source_pattern(element), Why.SOURCE)
+            if element.path in constraints:
+                work.fix(element, {bond.name: False for bond in work.at[element.path]}, Why.CONSTRAINT)
+            else:
+                work.fix(element, work.source_pattern(element), Why.SOURCE)
     for element in elements:
         if isinstance(element.behaviour, Resistive) and len(element.behaviour.laws) == 1:
             work.fix(element, work.law_patterns(element)[0], Why.LAW)
@@ -47,7 +57,21 @@ def assign_causality(graph: BondGraph, order: Sequence[Path] | None = None) -> C
         if isinstance(element.behaviour, Resistive):
             work.choose(element)
     work.complete()
-    return CausalGraph(graph, work.strokes, tuple(integral), tuple(derivative))
+    return CausalGraph(graph, work.strokes, tuple(integral), tuple(derivative), tuple(constraints))
+
+
+def _assign_with_closures(graph: BondGraph, order: Sequence[Path] | None) -> CausalGraph:
+    """Causality with every closure of a kinematic loop as a constraint; with some, one or none where that fails."""
+    closing = closures(graph.normal)
+    try:
+        return assign_causality(graph, order, closing)
+    except StructureError:
+        for attempt in (*(tuple(c for c in closing if c != left) for left in closing), ()):
+            try:
+                return assign_causality(graph, order, attempt)
+            except StructureError:
+                continue
+        raise
 
 
 class Conflict(Exception):

@@ -14,6 +14,7 @@ class Why(StrEnum):
     """What decides a causal stroke."""
 
     SOURCE = "a source prescribes it"
+    CONSTRAINT = "closes a kinematic loop: its effort keeps its flow"
     LAW = "only this causality has a law"
     INTEGRAL = "integral causality preferred"
     DERIVATIVE = "integral causality is impossible"
@@ -42,6 +43,7 @@ class CausalGraph:
     strokes: Mapping[Path, Stroke]
     integral: tuple[Path, ...]  # storage that is a state
     derivative: tuple[Path, ...]  # dependent storage
+    constraints: tuple[Path, ...] = ()  # flow sources whose effort is found from the rate of their flow
 
     def receives_effort(self, bond: Bond, element: Element) -> bool:
         """Whether the element receives the effort of this bond (and answers with the flow)."""

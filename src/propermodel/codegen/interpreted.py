@@ -189,6 +189,7 @@ class InterpretedMachine:
         self._displacement_rates = _Code(program, program.displacement_rates, numbers)
         self._observe = _Code(program, program.observe, numbers)
         self._samples = [_Code(program, function, numbers) for function in program.samples]
+        self._corrections = [_Code(program, function, numbers) for function in program.corrections]
         self._momenta: IntArray = np.array(program.layout.momenta, dtype=np.int64)
         count = program.layout.lengths.get(Array.STATE, 0)
         self._others: IntArray = np.setdiff1d(np.arange(count), self._momenta)
@@ -282,6 +283,8 @@ class InterpretedMachine:
                     self._integrate(run, h, stage)
                     total += rate * (2.0 if stage < 3 else 1.0)
                 state[...] = start + total * (h * (1.0 / 6.0))
+        for correction in self._corrections:
+            self.evaluate(run, correction, time + h)
 
     def _integrate(self, run: _Run, h: float, stage: int) -> None:
         part = run.arrays[Array.POWER] * (h * QUADRATURE[self._method][stage])

@@ -59,9 +59,9 @@ class Writer:
         self.kept: dict[Level, dict[Expr, int]] = {Level.RUN: {}, Level.SAMPLE: {}}
 
     def write_program(self) -> None:
-        """Write `prepare`, `refresh`, `rates`, `displacement_rates`, `observe` and `sample.<k>`."""
+        """Write `prepare`, `refresh`, and the functions of the program (`sample.<k>`, `correct.<k>`)."""
         program = self.program
-        continuous = (program.rates, program.displacement_rates, program.observe)
+        continuous = (program.rates, program.displacement_rates, program.observe, *program.corrections)
         levels = node_levels(continuous, program.layout)
         nodes = frontier(continuous, levels)
         for level, name in ((Level.RUN, "prepare"), (Level.SAMPLE, "refresh")):
@@ -72,6 +72,8 @@ class Writer:
         self._write_function("observe", program.observe, rows, is_rare=True)
         for k, function in enumerate(program.samples):
             self._write_function(f"sample.{k}", function, self.kept[Level.RUN])
+        for k, function in enumerate(program.corrections):
+            self._write_function(f"correct.{k}", function, rows)
 
     def _write_kept(self, name: str, level: Level, nodes: Iterable[Expr]) -> None:
         """A function that computes what changes only with the parameters, or with the samples."""
@@ -91,7 +93,7 @@ class Writer:
             if isinstance(item, Store):
                 store = StoreRow(self.module.frame.row(item.slot.array, item.slot.index), item.value)
                 # What the function also reads is written when everything has been read.
-                (late if item.slot.array is Array.DISCRETE else items).append(store)
+                (late if item.slot.array in (Array.DISCRETE, Array.STATE) else items).append(store)
             else:
                 items.append(item)
         self.write(name, items, rows, late, is_rare=is_rare)

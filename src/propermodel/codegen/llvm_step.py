@@ -92,6 +92,8 @@ class StepWriter:
                 self._semi_implicit()
             case Method.RK4:
                 self._rk4()
+        if self.program.corrections:
+            self._correct()
         body = "\n".join(self.loops.lines)
         self.module.functions.append(
             f"define internal i1 @step({ARGUMENTS}, double %h) alwaysinline {{\nentry:\n{body}\n  ret i1 true\n"
@@ -164,6 +166,11 @@ class StepWriter:
         self._evaluate(self.program.displacement_rates, "displacement_rates", "%t.end")
         rest = self.state_rows - self.momentum_rows
         self._advance(Array.STATE, Array.STATE, Array.RATE, "%h", self.momentum_rows, rest)
+
+    def _correct(self) -> None:
+        self.loops.lines.append("  %t.after = fadd double %t, %h")
+        for k, function in enumerate(self.program.corrections):
+            self._evaluate(function, f"correct.{k}", "%t.after")
 
     def _rk4(self) -> None:
         rows = self.state_rows

@@ -20,6 +20,7 @@ from propermodel.codegen.program import (
     TableSlot,
 )
 from propermodel.diagnostics import Path
+from propermodel.equations.corrections import Correction, corrections_of
 from propermodel.equations.definitions import Variables, sign_at
 from propermodel.equations.system import EquationSystem, ImplicitBlock, StateKind
 from propermodel.expressions.core import (
@@ -76,6 +77,9 @@ def lower(system: EquationSystem) -> Lowered:
     roots += [e.value for e in powers] + signals
     roots += [value for _, updates in system.updates for _, value in updates]
     roots += [r for b in system.blocks for r in (*b.residuals, *(e for row in b.jacobian for e in row))]
+    corrections = corrections_of(system)
+    roots += [value for c in corrections for _, value in c.updates]
+    roots += [r for c in corrections for r in (*c.residuals, *(e for row in c.jacobian for e in row))]
     outside = _time_outside([state.derivative for state in system.states], system)
     powers = (*powers, *outside)
     roots += [e.value for e in outside]
@@ -84,7 +88,7 @@ def lower(system: EquationSystem) -> Lowered:
     held = tuple(h for c in graph.controllers for h, _ in c.starts)
     parameters = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.PARAMETER)
     tables = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.TABLE)
-    unknowns = tuple(u for b in system.blocks for u in b.unknowns)
+    unknowns = tuple(u for b in (*system.blocks, *corrections) for u in b.unknowns)
     layout = _layout(system, parameters, held, tables, unknowns, len(powers), len(signals))
     rates = [Assign(Slot(Array.RATE, i), s.derivative) for i, s in enumerate(system.states)]
     displacement_rates = [
@@ -99,6 +103,7 @@ def lower(system: EquationSystem) -> Lowered:
         samples=tuple(_samples(system, held)),
         periods=tuple(layout.slots[c.period].index for c in _in_run_order(system)),
         layout=layout,
+        corrections=tuple(_correction(k, correction, layout) for k, correction in enumerate(corrections)),
     )
     return Lowered(
         program=program,
@@ -153,7 +158,12 @@ def _mentions_unsolved(expr: Expr, owner: dict[Expr, ImplicitBlock], needed: set
     return any(leaf in owner and owner[leaf] not in needed for leaf in leaves(expr))
 
 
-def _solve(block: ImplicitBlock) -> Solve:
+def _correction(number: int, correction: Correction, layout: Layout) -> Function:
+    assigns = (Assign(layout.slots[state], value) for state, value in correction.updates)
+    return Function(f"correct_{number}", (_solve(correction), *assigns))
+
+
+def _solve(block: ImplicitBlock | Correction) -> Solve:
     return Solve(
         unknowns=block.unknowns,
         residuals=block.residuals,

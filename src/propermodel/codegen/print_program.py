@@ -57,7 +57,7 @@ def print_program(
 
 
 def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) -> None:
-    functions = (program.rates, program.displacement_rates, program.observe, *program.samples)
+    functions = program.functions
     sizes = [len(step.unknowns) for function in functions for step in function.steps if isinstance(step, Solve)]
     size = max(sizes, default=0)
     for region in (Array.STATE, Array.RATE, "lower", "upper"):

@@ -111,7 +111,8 @@ class Program:
 
     `rates` computes RATE and POWER (and UNKNOWN by its solves); `displacement_rates` computes the RATE of the
     displacements only; `observe` computes SIGNAL; `samples[k]` computes the DISCRETE entries of sampled controllers
-    of rate k, due every `periods[k]` (an index into PARAMETER).
+    of rate k, due every `periods[k]` (an index into PARAMETER). `corrections` compute entries of STATE after every
+    step, one after the other.
     """
 
     rates: Function
@@ -120,3 +121,9 @@ class Program:
     samples: tuple[Function, ...]
     periods: tuple[int, ...]
     layout: Layout
+    corrections: tuple[Function, ...] = ()
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        """Every function."""
+        return (self.rates, self.displacement_rates, self.observe, *self.samples, *self.corrections)

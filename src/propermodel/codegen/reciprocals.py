@@ -31,7 +31,7 @@ _SHORT = 4
 
 def with_reciprocals(program: Program) -> Program:
     """The program with such divisions replaced."""
-    functions = (program.rates, program.displacement_rates, program.observe, *program.samples)
+    functions = program.functions
     done = _Rewriting(nodes_of(functions), node_levels(functions, program.layout)).done
 
     def replaced(step: Assign | Solve) -> Assign | Solve:
@@ -52,6 +52,7 @@ def with_reciprocals(program: Program) -> Program:
         displacement_rates=of(program.displacement_rates),
         observe=of(program.observe),
         samples=tuple(of(function) for function in program.samples),
+        corrections=tuple(of(function) for function in program.corrections),
     )
 
 

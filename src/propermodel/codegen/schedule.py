@@ -61,7 +61,7 @@ def is_leaf(node: Expr) -> bool:
 def number_solves(program: Program) -> dict[Solve, int]:
     """The number of every implicit block: those of `rates` in order, then those that appear elsewhere only."""
     numbers: dict[Solve, int] = {}
-    for function in (program.rates, program.displacement_rates, program.observe, *program.samples):
+    for function in program.functions:
         for step in function.steps:
             if isinstance(step, Solve):
                 numbers.setdefault(step, len(numbers))

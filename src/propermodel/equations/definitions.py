@@ -70,6 +70,16 @@ class Lockable:
     locked: Expr
 
 
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A flow source that closes a kinematic loop: its effort is the unknown that keeps its flow."""
+
+    element: Element
+    unknown: Expr
+    flow: Expr
+    prescribed: Expr
+
+
 @dataclass
 class Definitions:
     """Symbols and what they are, before anything is sorted or solved."""
@@ -78,6 +88,7 @@ class Definitions:
     dependents: list[Dependent] = field(default_factory=list[Dependent])
     implied: list[Implied] = field(default_factory=list[Implied])
     lockables: list[Lockable] = field(default_factory=list[Lockable])
+    held: list[Held] = field(default_factory=list[Held])
     laws: list[Expr] = field(default_factory=list[Expr])  # results of resistance laws: candidates for tearing
 
 
@@ -142,6 +153,9 @@ def _define_element(
     match behaviour:
         case PowerSource():
             (bond,) = bonds
+            if element.path in causal.constraints:
+                _define_held(found, variables, element, behaviour, bond)
+                return
             variable = Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
             found.values[variables.of(bond, variable)] = behaviour.value
         case TwoPort():
@@ -150,6 +164,15 @@ def _define_element(
             _define_resistance(found, causal, variables, element, behaviour, ports)
         case Storage():
             _define_storage(found, causal, variables, element, behaviour, ports)
+
+
+def _define_held(
+    found: Definitions, variables: Variables, element: Element, behaviour: PowerSource, bond: Bond
+) -> None:
+    target = variables.of(bond, Variable.EFFORT)
+    unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+    found.values[target] = unknown
+    found.held.append(Held(element, unknown, variables.of(bond, Variable.FLOW), behaviour.value))
 
 
 def _define_two_port(

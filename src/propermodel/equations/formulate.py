@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from propermodel.bondgraph.graph import Element
 from propermodel.causality.causal import CausalGraph
 from propermodel.diagnostics import Diagnostic, Involved, Path, Source, StructureError
+from propermodel.equations.closures import closures_of, positions_of
 from propermodel.equations.condense import condense
 from propermodel.equations.definitions import Definitions, Variables, define, dependent_ports
+from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution, strong_components
 from propermodel.equations.rows import rows_of
 from propermodel.equations.sequence import in_sequence
@@ -89,6 +91,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
             for s in states
         ),
         dependents=_dependents(definitions, resolution, states),
+        closures=closures_of(causal, definitions, resolution, states),
         blocks=tuple(blocks),
         solved=tuple(solved),
         values=values,
@@ -107,11 +110,12 @@ def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVari
     for element in causal.graph.normal.elements.values():
         if element.path in causal.integral and isinstance(element.behaviour, Storage):
             states.extend(_storage_states(causal, element, element.behaviour, resolution))
+    positions = positions_of(causal, resolution)
     states.extend(
         _state(
             signal.symbol.data.path.parent,
             signal.coordinate,
-            StateKind.SIGNAL,
+            StateKind.DISPLACEMENT if signal.symbol in positions else StateKind.SIGNAL,
             resolution.complete(signal.derivative),
             signal.source,
         )
@@ -170,10 +174,9 @@ def _dependents(
     """The dependent storages, and how the rates of the states change with theirs."""
     if not definitions.dependents:
         return ()
-    rates = [state.derivative for state in states]
-    slopes = partial_derivatives(rates, [dependent.unknown for dependent in definitions.dependents])
+    reactions = impulse_slopes(states, [dependent.unknown for dependent in definitions.dependents])
     found: list[DependentStorage] = []
-    for dependent in definitions.dependents:
+    for dependent, reaction in zip(definitions.dependents, reactions, strict=True):
         coordinate = dependent.coordinate
         found.append(
             DependentStorage(
@@ -183,11 +186,7 @@ def _dependents(
                 unit=coordinate.unit,
                 start=coordinate.start,
                 stored=resolution.values[dependent.stored],
-                reactions=tuple(
-                    (state.symbol, slope[dependent.unknown])
-                    for state, slope in zip(states, slopes, strict=True)
-                    if dependent.unknown in slope and state.kind is not StateKind.SIGNAL
-                ),
+                reactions=reaction,
             )
         )
     return tuple(found)
@@ -197,7 +196,7 @@ def _dependents(
 
 
 def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr]) -> list[Unknown]:
-    """Every unknown with its residual: torn loops, dependent storage, locked resistances."""
+    """Every unknown with its residual: torn loops, dependent storage, locked resistances, closed loops."""
     found = [
         Unknown(unknown, unknown - resolution.torn_value(unknown), unknown.data.path.parent.parent, BlockKind.LOOP)
         for unknown in resolution.torn
@@ -206,7 +205,8 @@ def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr
         Unknown(implied.unknown, resolution.complete(implied.value - implied.law), implied.element.path, BlockKind.LOOP)
         for implied in definitions.implied
     ]
-    answers = {d.unknown for d in definitions.dependents} | {x.unknown for x in definitions.lockables}
+    answering = (*definitions.dependents, *definitions.lockables, *definitions.held)
+    answers = {item.unknown for item in answering}
     drifting = _RateUnknowns({unknown.symbol: unknown for unknown in found}, rates, answers)
     for dependent in definitions.dependents:
         rate = drifting.rate_of(resolution.values[dependent.stored], dependent.element)
@@ -220,6 +220,11 @@ def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr
             lockable.unknown - resolution.complete(lockable.law),
         )
         found.append(Unknown(lockable.unknown, residual, lockable.element.path, BlockKind.LOCK))
+    for held in definitions.held:
+        excess = resolution.complete(held.flow - held.prescribed)
+        if not answers.intersection(leaves(excess)):
+            excess = drifting.rate_of(excess, held.element)
+        found.append(Unknown(held.unknown, excess, held.element.path, BlockKind.CONSTRAINT))
     found.extend(drifting.unknowns)
     return found
 
@@ -293,7 +298,8 @@ def _solve_blocks(
         matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
         paths = tuple(u.element for u in members)
         inside = set(symbols)
-        if not any(inside & set(leaves(entry)) for row in matrix for entry in row):
+        is_open = any(u.kind is BlockKind.CONSTRAINT for u in members)
+        if not is_open and not any(inside & set(leaves(entry)) for row in matrix for entry in row):
             at_zero = Substitution(dict.fromkeys(symbols, constant(0.0)))
             right = [-at_zero(residual) for residual in residuals]
             values = eliminate(matrix, right, list(paths))
@@ -321,7 +327,12 @@ def _reduce_block(
     """Eliminate the unknowns that a nonlinear block only contains linearly; Newton's method gets the others."""
     inside = {u.symbol for u in members}
     nonlinear = {leaf for row in matrix for entry in row for leaf in leaves(entry) if leaf in inside}
-    keep = [i for i, u in enumerate(members) if u.symbol in nonlinear or is_zero(matrix[i][i])]
+    # The efforts of closed loops are eliminated with numbers, with pivots: their matrix may become singular on the way.
+    keep = [
+        i
+        for i, u in enumerate(members)
+        if u.kind is BlockKind.CONSTRAINT or u.symbol in nonlinear or is_zero(matrix[i][i])
+    ]
     drop = [i for i in range(len(members)) if i not in keep]
     eliminated: dict[Expr, Expr] = {}
     if drop:

@@ -23,7 +23,7 @@ from propermodel.modelling.model import ElementKind, JunctionKind, TwoPort
 # Larger graphs with this many storages keep the order of the model.
 MOST_STORAGES = 200
 
-Score = tuple[int, int, int]
+Score = tuple[int, int, int, int]
 
 
 def select_states(causal: CausalGraph) -> CausalGraph:
@@ -37,7 +37,7 @@ def select_states(causal: CausalGraph) -> CausalGraph:
 
 def _search(causal: CausalGraph) -> CausalGraph:
     elements = [e.path for e in causal.graph.normal.elements.values() if e.kind.is_storage]
-    if not causal.derivative or len(elements) > MOST_STORAGES:
+    if not (causal.derivative or causal.constraints) or len(elements) > MOST_STORAGES:
         return causal
     order, best, score = elements, causal, _score(causal)
     classes = _rigid_classes(causal.graph.normal)
@@ -46,6 +46,7 @@ def _search(causal: CausalGraph) -> CausalGraph:
         if found is None:
             return best
         score, order, best = found
+        causal = best
     return best
 
 
@@ -58,11 +59,19 @@ def _moves(
         rest = [path for path in order if path not in members]
         for attempt in ([*rest, *moved], [*moved, *rest]):
             try:
-                other = assign_causality(causal.graph, attempt)
+                other = assign_causality(causal.graph, attempt, causal.constraints)
             except StructureError:
                 continue
             if _divisions(other) <= score[0] and (new := _score(other)) < score:
                 yield new, attempt, other
+    for constraint in causal.constraints:
+        # A part without mass in a loop: its flow follows from the closure, not from an effort.
+        try:
+            other = assign_causality(causal.graph, order, [c for c in causal.constraints if c != constraint])
+        except StructureError:
+            continue
+        if (new := _score(other)) < score:
+            yield new, order, other
 
 
 def _rigid_classes(structure: Structure) -> list[list[Path]]:
@@ -92,9 +101,9 @@ def _rigid_classes(structure: Structure) -> list[list[Path]]:
 
 
 def _score(causal: CausalGraph) -> Score:
-    """Divisions by moduli that may vanish, variables in loops that dependent storage drives, dependent storages."""
+    """Divisions by moduli that may vanish, variables in loops of dependent storage, constraints, dependent storages."""
     loops = _looped_variables(causal) if causal.derivative else 0
-    return _divisions(causal), loops, len(causal.derivative)
+    return _divisions(causal), loops, len(causal.constraints), len(causal.derivative)
 
 
 def _divisions(causal: CausalGraph) -> int:

@@ -41,6 +41,7 @@ class BlockKind(StrEnum):
     LOOP = "algebraic loop"
     DEPENDENT = "dependent storage"
     LOCK = "locked resistance"
+    CONSTRAINT = "kinematic constraint"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +88,24 @@ class DependentStorage:
     reactions: tuple[tuple[Expr, Expr], ...]  # symbol of a state, factor
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Closure:
+    """Where a kinematic loop closes: what must vanish along a run, and what gives way.
+
+    `flow` must vanish where the constraint acts through an effort: impulses of it change the states by `impulses`.
+    `displacement` must vanish where the loop has a geometry: the `coordinates` give way.
+    """
+
+    element: Path
+    flow: Expr | None
+    flow_unit: str
+    impulses: tuple[tuple[Expr, Expr], ...]  # symbol of a state, slope of its rate with respect to the effort
+    displacement: Expr | None
+    displacement_unit: str
+    coordinates: tuple[tuple[Expr, Expr], ...]  # symbol of a state, slope of the displacement
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
     """One row of a ranking: an energy element or a declared group, with the bonds whose powers make it up."""
@@ -108,6 +127,7 @@ class EquationSystem:
     causal: CausalGraph
     states: tuple[StateVariable, ...]
     dependents: tuple[DependentStorage, ...]
+    closures: tuple[Closure, ...]
     blocks: tuple[ImplicitBlock, ...]
     solved: tuple[SolvedBlock, ...]
     values: Mapping[Expr, Expr]

@@ -35,6 +35,7 @@ from propermodel.modelling.elements import (
     Transformer,
     ZeroJunction,
 )
+from propermodel.modelling.kinematics import KinematicTransformer
 from propermodel.modelling.model import (
     ConstantEffort,
     ConstantFlow,
@@ -68,6 +69,7 @@ __all__ = [
     "Hydraulic",
     "Inertia",
     "Input",
+    "KinematicTransformer",
     "Model",
     "MultiportCompliance",
     "MultiportInertia",

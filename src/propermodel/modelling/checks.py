@@ -238,6 +238,8 @@ class _Check:
                     self.fault(f"a source has one port, this has {len(ports)}")
             case TwoPort():
                 self.expr(behaviour.modulus, "the modulus")
+                if behaviour.position is not None:
+                    self.expr(behaviour.position, "the position")
                 if ports != ["a", "b"]:
                     self.fault("a transformer or gyrator has the ports a and b")
             case Block() | Sampled():

@@ -140,7 +140,12 @@ BEHAVIOUR = tagged(
     ),
     two_port=(
         TwoPort,
-        record(TwoPort, kind=choice((ElementKind.TRANSFORMER, ElementKind.GYRATOR)), modulus=EXPR),
+        record(
+            TwoPort,
+            kind=choice((ElementKind.TRANSFORMER, ElementKind.GYRATOR)),
+            modulus=EXPR,
+            position=optional(EXPR),
+        ),
     ),
     junction=(
         JunctionKind,

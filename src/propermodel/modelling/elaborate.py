@@ -16,6 +16,7 @@ from propermodel.modelling.components import Component, Parameter, Port, Repeate
 from propermodel.modelling.connections import Bonded, Driven, Joined, Open, Wiring
 from propermodel.modelling.domains import DomainData
 from propermodel.modelling.elements import Junction
+from propermodel.modelling.kinematics import Expansion, KinematicTransformer, expand
 from propermodel.modelling.model import (
     Connection,
     Definition,
@@ -92,11 +93,13 @@ class _Elaboration:
         tracing._set(root=tracing, path=Path(), values={}, replaced={}, source=cls.defined_at)  # pyright: ignore[reportPrivateUsage]
         tracer = Tracer(cls, tracing)
         ports = tuple(self.port(cls, n, p) for n, p in cls.declarations.items() if isinstance(p, Port))
+        parameters = tuple(_parameter(tracer, n, p) for n, p in cls.declarations.items() if isinstance(p, Parameter))
+        inside = expand(tracer, parameters) if issubclass(cls, KinematicTransformer) else Expansion()
         return Definition(
             type_name=cls.__name__,
             doc=(cls.__doc__ or "").strip().split("\n")[0],
             ports=ports,
-            parameters=tuple(_parameter(tracer, n, p) for n, p in cls.declarations.items() if isinstance(p, Parameter)),
+            parameters=parameters,
             tables=tuple(_table(n, t) for n, t in cls.declarations.items() if isinstance(t, Table)),
             signals=tuple(
                 SignalData(
@@ -108,8 +111,8 @@ class _Elaboration:
                 if isinstance(s, (Input, Output))
             ),
             behaviour=trace(cls, tracing),
-            parts=self.parts(cls, component, tracer),
-            connections=self.connections(cls, tracer),
+            parts=(*inside.parts, *self.parts(cls, component, tracer)),
+            connections=(*inside.connections, *self.connections(cls, tracer)),
             is_energy_group=cls.energy_group,
             source=cls.defined_at,
         )

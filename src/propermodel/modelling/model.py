@@ -128,11 +128,13 @@ class PowerSource:
 class TwoPort:
     """Transformer (e_a = m e_b, f_b = m f_a) or gyrator (e_a = r f_b, e_b = r f_a).
 
-    Power enters at a and leaves at b.
+    Power enters at a and leaves at b. A transformer of a mechanism knows the `position` whose rate it contributes to:
+    the flows at b of all transformers with this position sum up to its rate.
     """
 
     kind: ElementKind
     modulus: Expr
+    position: Expr | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from propermodel.codegen.machine import FloatArray, Machine, Memory, Method, Outcome, Request, Status
 from propermodel.codegen.program import Array
+from propermodel.codegen.schedule import number_solves
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
@@ -243,7 +244,7 @@ def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory) ->
                 state.path,
             )
         case Status.NOT_CONVERGED:
-            block = compiled.system.blocks[outcome.index]
+            block = list(number_solves(compiled.lowered.program))[outcome.index]
             names = ", ".join(str(path) for path in dict.fromkeys(block.paths))
             return Ending(
                 RunStatus.FAILED,

@@ -1,0 +1,114 @@
+"""What keeps a run on its kinematic constraints: small corrections of the states after every step.
+
+Displacements move along the gradient of what must vanish. Momenta change by impulses of the constraints' efforts, so
+that the correction is the one that an impact would bring: it takes the least kinetic energy away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from propermodel.diagnostics import Path
+from propermodel.equations.system import Closure, DependentStorage, EquationSystem
+from propermodel.expressions.core import ZERO, Expr, Substitution, SymbolKind, leaves, symbol
+from propermodel.expressions.derivatives import partial_derivatives
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Correction:
+    """Unknowns that make the residuals vanish, and the states that change with them."""
+
+    unknowns: tuple[Expr, ...]
+    residuals: tuple[Expr, ...]
+    jacobian: tuple[tuple[Expr, ...], ...]
+    updates: tuple[tuple[Expr, Expr], ...]  # symbol of a state, its corrected value
+    paths: tuple[Path, ...]
+
+
+def corrections_of(system: EquationSystem) -> tuple[Correction, ...]:
+    """The corrections of displacements, then those of momenta, each in blocks that share no state."""
+    positions = [_Moved.by_gradient(c) for c in system.closures if c.displacement is not None and c.coordinates]
+    flows = [_Moved.by_impulse(c) for c in system.closures if c.flow is not None]
+    flows += [_Moved.by_reaction(d) for d in system.dependents] if flows else []
+    found: list[Correction] = []
+    for items in (positions, [item for item in flows if item.is_explicit()]):
+        found += [_correction(block) for block in _blocks(items) if any(item.must_vanish for item in block)]
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class _Moved:
+    """One unknown: the states it moves, and the expression that must vanish, or whose change it must equal."""
+
+    path: Path
+    name: str
+    value: Expr
+    slopes: tuple[tuple[Expr, Expr], ...]
+    must_vanish: bool
+
+    @staticmethod
+    def by_gradient(closure: Closure) -> _Moved:
+        assert closure.displacement is not None
+        return _Moved(closure.element, "displacement_correction", closure.displacement, closure.coordinates, True)
+
+    @staticmethod
+    def by_impulse(closure: Closure) -> _Moved:
+        assert closure.flow is not None
+        return _Moved(closure.element, "impulse", closure.flow, closure.impulses, True)
+
+    @staticmethod
+    def by_reaction(dependent: DependentStorage) -> _Moved:
+        return _Moved(dependent.element, "impulse", dependent.stored, dependent.reactions, False)
+
+    def is_explicit(self) -> bool:
+        """Whether it runs through no algebraic loop."""
+        inside = leaves(self.value, *(slope for _, slope in self.slopes))
+        return bool(self.slopes) and all(leaf.data.kind is not SymbolKind.UNKNOWN for leaf in inside)
+
+    def touched(self) -> Iterable[Expr]:
+        """The states that it moves or reads."""
+        yield from (state for state, _ in self.slopes)
+        yield from (leaf for leaf in leaves(self.value) if leaf.data.kind is SymbolKind.STATE)
+
+
+def _blocks(items: Sequence[_Moved]) -> list[list[_Moved]]:
+    """Items that share states which one of them moves, in the order of the model."""
+    moved = {state for item in items for state, _ in item.slopes}
+    blocks: list[tuple[set[Expr], list[_Moved]]] = []
+    for item in items:
+        reached, inside = moved.intersection(item.touched()), [item]
+        apart: list[tuple[set[Expr], list[_Moved]]] = []
+        for states, others in blocks:
+            if states & reached:
+                reached, inside = reached | states, [*others, *inside]
+            else:
+                apart.append((states, others))
+        blocks = [*apart, (reached, inside)]
+    return [inside for _, inside in blocks]
+
+
+def _correction(block: Sequence[_Moved]) -> Correction:
+    unknowns = tuple(symbol(SymbolKind.UNKNOWN, item.path / item.name, "") for item in block)
+    updates = _updates(block, unknowns)
+    moved = Substitution(updates)
+    residuals = tuple(
+        moved(item.value) if item.must_vanish else unknown - (moved(item.value) - item.value)
+        for item, unknown in zip(block, unknowns, strict=True)
+    )
+    partials = partial_derivatives(residuals, unknowns)
+    return Correction(
+        unknowns=unknowns,
+        residuals=residuals,
+        jacobian=tuple(tuple(p.get(unknown, ZERO) for unknown in unknowns) for p in partials),
+        updates=tuple(updates.items()),
+        paths=tuple(item.path for item in block),
+    )
+
+
+def _updates(block: Sequence[_Moved], unknowns: Sequence[Expr]) -> Mapping[Expr, Expr]:
+    updates: dict[Expr, Expr] = {}
+    for item, unknown in zip(block, unknowns, strict=True):
+        for state, slope in item.slopes:
+            updates[state] = updates.get(state, state) + slope * unknown
+    return updates
