@@ -53,8 +53,13 @@ def drawn(seed: int) -> Graph:
 @cache
 def compiled(seed: int) -> CompiledModel | ProperModelError:
     """The compiled model of a seed's graph, or why there is none."""
+    return compile_or_refuse(drawn(seed))
+
+
+def compile_or_refuse(graph: Graph) -> CompiledModel | ProperModelError:
+    """The compiled model of a graph, or why there is none."""
     try:
-        return compile_model(model_of(drawn(seed)), backend=Backend.INTERPRETED)
+        return compile_model(model_of(graph), backend=Backend.INTERPRETED)
     except ProperModelError as error:
         return error
 

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
+from random import Random
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
-from tests.properties.answers import Answer, Outcome, answer_to, compiled, drawn
+from propermodel.modelling.documents import from_document, to_document
+from tests.properties.answers import Answer, Outcome, answer_to, compile_or_refuse, compiled, drawn
+from tests.properties.generate import random_graph
+from tests.properties.graphs import model_of
 
 SEEDS = range(520)
 
@@ -38,6 +45,21 @@ def test_what_is_refused_is_singular(answers: dict[int, Answer]):
 def test_efforts_flows_and_rates_are_those_of_the_reference(answers: dict[int, Answer]):
     assert seeds_of(answers, Outcome.DIFFERS) == []
     assert len(seeds_of(answers, Outcome.UNSOLVED)) <= 0.01 * len(answers)
+
+
+@settings(max_examples=30, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@given(random=st.randoms(use_true_random=False))
+def test_graphs_at_the_edges_of_chance_are_answered_as_well(random: Random):
+    """Hypothesis draws extremes and repetitions that chance rarely gives, and shrinks what fails."""
+    graph = random_graph(random)
+    outcome = answer_to(graph, compile_or_refuse(graph), 0).outcome
+    assert outcome in (Outcome.AGREES, Outcome.REFUSED)
+
+
+def test_graphs_are_the_same_models_as_documents():
+    for seed in range(100):
+        model = model_of(drawn(seed))
+        assert from_document(json.loads(json.dumps(to_document(model)))) == model
 
 
 def test_almost_all_that_is_determined_is_given(answers: dict[int, Answer]):
