@@ -9,7 +9,7 @@ from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure
 from propermodel.causality.causal import CausalGraph
 from propermodel.diagnostics import Path, StructureError
 from propermodel.equations.system import BlockKind
-from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol
+from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol, where
 from propermodel.modelling.model import (
     Coordinate,
     ElementKind,
@@ -230,8 +230,15 @@ def _define_resistance(
             found.lockables.append(Lockable(element, unknown, result.value, flow, behaviour.locked))
             found.values[target] = unknown
         else:
-            found.values[target] = result.value
+            found.values[target] = _held_when_locked(behaviour, result)
             found.laws.append(target)
+
+
+def _held_when_locked(behaviour: Resistive, result: Result) -> Expr:
+    """What a law gives; a flow that it gives is zero while the element is locked."""
+    if behaviour.locked is None or result.variable is Variable.EFFORT:
+        return result.value
+    return where(behaviour.locked, ZERO, result.value)
 
 
 def _define_storage(
@@ -397,7 +404,7 @@ class _Recovery:
         for law in behaviour.laws:
             result = law.results[0]
             if (bond.name, result.variable.other) in self.known:
-                self.learn(bond, result.variable, result.value)
+                self.learn(bond, result.variable, _held_when_locked(behaviour, result))
 
     def at_idle_storage(self, behaviour: Storage, bond: Bond) -> None:
         """A mass that is held needs no effort, a compliance without effort takes no flow."""

@@ -19,7 +19,7 @@ class Resistance(Component):
     """A one-port R: `effort(flow)`, `flow(effort)`, or both; a linear law is inverted for the author.
 
     `locked()` may give a condition under which the flow is held at its value near zero (a clutch that has
-    closed).
+    closed). An element that gives its flow, because a compliance or source sets its effort, stands still at once.
     """
 
 
