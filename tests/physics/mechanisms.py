@@ -3,25 +3,11 @@
 from __future__ import annotations
 
 import propermodel as pm
-from propermodel.library.mechanics.translation import Fixed, Mass, Weight
+from propermodel.library.mechanics.planar import FourBarLinkage, Link, PinnedRod, PointMass, SliderCrankLinkage
+from propermodel.library.mechanics.rotation import RotatingInertia, TorqueSource, ViscousFriction
+from propermodel.library.mechanics.translation import Fixed, Mass
 
 GRAVITY = 9.80665
-
-
-class Distance(pm.KinematicTransformer):
-    """How much farther than its length a point is from the origin."""
-
-    x = pm.Port(pm.Translation)
-    y = pm.Port(pm.Translation)
-    excess = pm.Port(pm.Translation)
-    length: pm.Parameter = pm.parameter("m", default=1.0, low=0.0)
-
-    def positions(self) -> dict[pm.Expr, pm.Expr]:
-        x, y = self.x.displacement, self.y.displacement
-        return {self.excess.displacement: pm.sqrt(x * x + y * y) - self.length}
-
-    def starts(self) -> dict[pm.Expr, pm.Expr]:
-        return {self.x.displacement: self.length}
 
 
 class CartesianPendulum(pm.Component):
@@ -30,14 +16,83 @@ class CartesianPendulum(pm.Component):
     mass: pm.Parameter = pm.parameter("kg", default=2.0)
     length: pm.Parameter = pm.parameter("m", default=1.0)
 
-    along = Mass(mass=mass)
-    upward = Mass(mass=mass)
-    weight = Weight(mass=mass)
-    rod = Distance(length=length)
+    bob = PointMass(mass=mass)
+    rod = PinnedRod(length=length)
+    hinge = Fixed()
+
+    connections = (pm.connect(bob.x, rod.x), pm.connect(bob.y, rod.y), pm.connect(rod.excess, hinge.flange))
+
+
+class DoublePendulum(pm.Component):
+    """A second bob on a rod that hangs on the first."""
+
+    upper = PointMass(mass=2.0)
+    lower = PointMass(mass=1.0)
+    first = PinnedRod(length=1.0)
+    second = Link(length=0.5, start_x=1.0, start_angle=0.5)
     hinge = Fixed()
 
     connections = (
-        pm.connect(along.flange, rod.x),
-        pm.connect(upward.flange, weight.flange, rod.y),
-        pm.connect(rod.excess, hinge.flange),
+        pm.connect(upper.x, first.x, second.x_a),
+        pm.connect(upper.y, first.y, second.y_a),
+        pm.connect(lower.x, second.x_b),
+        pm.connect(lower.y, second.y_b),
+        pm.connect(hinge.flange, first.excess, second.excess),
+    )
+
+
+class SliderCrank(pm.Component):
+    """A crank with a flywheel, a rod that turns, and a piston."""
+
+    torque = pm.Input("N.m")
+
+    motor = TorqueSource()
+    wheel = RotatingInertia(inertia=0.02)
+    rod = RotatingInertia(inertia=0.001)
+    bearing = ViscousFriction(damping=0.05)
+    linkage = SliderCrankLinkage(radius=0.05, length=0.15, start_crank=0.3, start_rod=-0.05)
+    guide = Fixed()
+    piston = Mass(mass=2.0)
+
+    connections = (
+        pm.connect(torque, motor.torque),
+        pm.connect(motor.shaft, wheel.shaft, bearing.shaft, linkage.crank),
+        pm.connect(rod.shaft, linkage.rod),
+        pm.connect(linkage.slider, piston.flange),
+        pm.connect(linkage.gap_y, guide.flange),
+    )
+
+
+class LightRodSliderCrank(pm.Component):
+    """A crank and a piston on a rod without mass."""
+
+    wheel = RotatingInertia(inertia=0.02, start_speed=20.0)
+    linkage = SliderCrankLinkage(radius=0.05, length=0.15)
+    end = pm.Port(pm.Rotation)
+    guide = Fixed()
+    piston = Mass(mass=2.0)
+
+    connections = (
+        pm.connect(wheel.shaft, linkage.crank),
+        pm.connect(end, linkage.rod),
+        pm.free(end),
+        pm.connect(linkage.slider, piston.flange),
+        pm.connect(linkage.gap_y, guide.flange),
+    )
+
+
+class FourBar(pm.Component):
+    """A crank that turns all the way round, a coupler and a rocker."""
+
+    crank = RotatingInertia(inertia=0.1)
+    coupler = RotatingInertia(inertia=0.2)
+    rocker = RotatingInertia(inertia=0.3)
+    loop = FourBarLinkage(crank_length=0.2, coupler_length=0.5, rocker_length=0.4, base=0.5)
+    base = Fixed()
+
+    connections = (
+        pm.connect(crank.shaft, loop.crank),
+        pm.connect(coupler.shaft, loop.coupler),
+        pm.connect(rocker.shaft, loop.rocker),
+        pm.connect(base.flange, loop.gap_x, loop.gap_y),
     )

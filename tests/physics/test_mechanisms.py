@@ -6,18 +6,26 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 import propermodel as pm
 from propermodel.compiler import Backend
 from propermodel.modelling.documents import from_document, to_document
-from tests.physics.mechanisms import GRAVITY, CartesianPendulum
+from tests.physics.mechanisms import (
+    GRAVITY,
+    CartesianPendulum,
+    DoublePendulum,
+    FourBar,
+    LightRodSliderCrank,
+    SliderCrank,
+)
 from tests.physics.systems import run
 
 
 def energy(trajectory: pm.Trajectory) -> np.ndarray:
     """Kinetic and potential energy of the pendulum's bob, J."""
-    squares = trajectory["along.flange.flow"] ** 2 + trajectory["upward.flange.flow"] ** 2
+    squares = trajectory["bob.along.flange.flow"] ** 2 + trajectory["bob.upward.flange.flow"] ** 2
     return squares + 2.0 * GRAVITY * trajectory["rod.displacement.y"]
 
 
@@ -27,7 +35,7 @@ def test_cartesian_pendulum_swings_with_the_period_of_the_elliptic_integral() ->
     swing = run(CartesianPendulum(), period, step=1e-3, every=period / 2.0)
     assert swing["rod.displacement.x"][1] == pytest.approx(-1.0, abs=1e-8)
     assert swing["rod.displacement.x"][2] == pytest.approx(1.0, abs=1e-8)
-    assert abs(swing["along.flange.flow"][2]) < 1e-6
+    assert abs(swing["bob.along.flange.flow"][2]) < 1e-6
 
 
 def test_cartesian_pendulum_stays_on_its_circle_and_keeps_its_energy_for_100_s() -> None:
@@ -40,7 +48,7 @@ def test_cartesian_pendulum_stays_on_its_circle_and_keeps_its_energy_for_100_s()
 
 def test_cartesian_pendulum_turns_over() -> None:
     # Faster than sqrt(5 g l) at the bottom it goes all the way round, through y = 0 and overhead.
-    start = {"rod.displacement.x": 0.0, "rod.displacement.y": -1.0, "along.momentum": 16.0}
+    start = {"rod.displacement.x": 0.0, "rod.displacement.y": -1.0, "bob.along.momentum": 16.0}
     turning = run(CartesianPendulum(), 5.0, step=1e-3, every=0.001, initial=start)
     angle = np.unwrap(np.arctan2(turning["rod.displacement.x"], -turning["rod.displacement.y"]))
     assert angle[-1] > 4.0 * math.pi
@@ -70,3 +78,86 @@ def test_mechanism_survives_its_document() -> None:
     assert again == model
     ends = [run(m, 0.5).final_signals for m in (model, again)]
     assert np.array_equal(*ends)
+
+
+def test_slider_crank_follows_its_reduced_equation() -> None:
+    # M(a) a'' + M'(a) a'^2 / 2 = torque - d a', with the rod angle and the piston as functions of the crank angle a.
+    r, l, torque, damping = 0.05, 0.15, 2.0, 0.05
+
+    def inertia(a: float) -> float:
+        rod = -r * math.cos(a) / math.sqrt(l * l - (r * math.sin(a)) ** 2)
+        piston = -r * math.sin(a) - r * math.sin(a) * r * math.cos(a) / math.sqrt(l * l - (r * math.sin(a)) ** 2)
+        return 0.02 + 0.001 * rod * rod + 2.0 * piston * piston
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        slope = (inertia(y[0] + 1e-5) - inertia(y[0] - 1e-5)) / 2e-5
+        return [y[1], (torque - damping * y[1] - 0.5 * slope * y[1] * y[1]) / inertia(y[0])]
+
+    start = {"linkage.displacement.crank": 0.3, "wheel.momentum": 0.4}
+    turning = run(SliderCrank(), 1.0, step=2e-4, initial=start, inputs={"torque": torque})
+    expected = solve_ivp(rates, (0.0, 1.0), [0.3, 20.0], rtol=1e-10, atol=1e-12, t_eval=turning.time)
+    assert turning["linkage.displacement.crank"] == pytest.approx(expected.y[0], abs=2e-6)
+    assert turning["wheel.shaft.flow"] == pytest.approx(expected.y[1], abs=2e-5)
+    assert turning["linkage.displacement.crank"][-1] > 4.0 * math.pi  # through both dead centres
+    assert np.abs(turning["linkage.displacement.gap_y"]).max() < 1e-12
+    balance = pm.energy_balance(turning)
+    assert balance.relative_residual < 1e-8
+
+
+def test_slider_crank_with_a_light_rod_follows_its_reduced_equation() -> None:
+    r, l = 0.05, 0.15
+    turning = run(LightRodSliderCrank(), 1.0, step=2e-4)
+    a, speed = turning["linkage.displacement.crank"], turning["wheel.shaft.flow"]
+    piston = -r * np.sin(a) - r * np.sin(a) * r * np.cos(a) / np.sqrt(l * l - (r * np.sin(a)) ** 2)
+    assert turning["piston.flange.flow"] == pytest.approx(piston * speed, abs=1e-9)
+    energy = 0.5 * (0.02 + 2.0 * piston * piston) * speed * speed
+    assert energy == pytest.approx(np.full_like(energy, energy[0]), rel=1e-7)
+    assert np.abs(turning["linkage.displacement.gap_y"]).max() < 1e-12
+    assert turning.compiled.system.causal.constraints == ()
+
+
+def test_four_bar_follows_multipliers_in_all_coordinates() -> None:
+    lengths, inertias = np.array([0.2, 0.5, -0.4]), np.array([0.1, 0.2, 0.3])
+
+    def rates(_: float, y: np.ndarray) -> np.ndarray:
+        q, w = y[:3], y[3:]
+        slopes = np.array([-lengths * np.sin(q), lengths * np.cos(q)])
+        turned = np.array([-lengths * np.cos(q), -lengths * np.sin(q)]) @ (w * w)
+        matrix = slopes @ (slopes.T / inertias[:, None])
+        efforts = np.linalg.solve(matrix, -turned)
+        return np.concatenate([w, (slopes.T @ efforts) / inertias])
+
+    turning = run(FourBar(), 3.0, step=5e-4, initial={"loop.displacement.crank": 1.0, "crank.momentum": 0.5})
+    names = ("crank", "coupler", "rocker")
+    q = [turning[f"loop.displacement.{name}"] for name in names]
+    w = [turning[f"{name}.shaft.flow"] for name in names]
+    assert q[0][0] == 1.0
+    assert w[0][0] == 5.0
+    start = np.array([column[0] for column in (*q, *w)])
+    expected = solve_ivp(rates, (0.0, 3.0), start, rtol=1e-11, atol=1e-12, t_eval=turning.time)
+    for column, independent in zip((*q, *w), expected.y, strict=True):
+        assert column == pytest.approx(independent, abs=2e-7)
+    assert q[0][-1] > 2.0 * math.pi
+    assert pm.energy_balance(turning).relative_residual < 1e-4
+
+
+def test_four_bar_does_not_drift_in_100_s() -> None:
+    start = {"loop.displacement.crank": 1.0, "crank.momentum": 0.5}
+    turning = run(FourBar(), 100.0, step=1e-3, every=0.1, initial=start)
+    assert np.abs(turning["loop.displacement.gap_x"]).max() < 1e-9
+    assert np.abs(turning["loop.displacement.gap_y"]).max() < 1e-9
+    kinetic = sum(
+        0.5 * j * turning[f"{name}.shaft.flow"] ** 2 for name, j in (("crank", 0.1), ("coupler", 0.2), ("rocker", 0.3))
+    )
+    assert np.ptp(kinetic) < 1e-6 * kinetic[0]
+
+
+def test_double_pendulum_keeps_both_rods_and_its_energy() -> None:
+    swing = run(DoublePendulum(), 10.0, step=5e-4, every=0.01)
+    total = 0.0
+    for name, mass, y in (("upper", 2.0, "first.displacement.y"), ("lower", 1.0, "second.displacement.y_b")):
+        squares = swing[f"{name}.along.flange.flow"] ** 2 + swing[f"{name}.upward.flange.flow"] ** 2
+        total = total + 0.5 * mass * squares + mass * GRAVITY * swing[y]
+    assert np.ptp(total) < 1e-7
+    assert np.abs(swing["first.displacement.excess"]).max() < 1e-9
+    assert np.abs(swing["second.displacement.excess"]).max() < 1e-9

@@ -29,12 +29,21 @@ class Correction:
 def corrections_of(system: EquationSystem) -> tuple[Correction, ...]:
     """The corrections of displacements, then those of momenta, each in blocks that share no state."""
     positions = [_Moved.by_gradient(c) for c in system.closures if c.displacement is not None and c.coordinates]
+    return (*_corrections(positions), *momentum_corrections(system))
+
+
+def momentum_corrections(system: EquationSystem) -> tuple[Correction, ...]:
+    """The corrections of momenta: impulses of the constraints' efforts, which dependent storage answers."""
     flows = [_Moved.by_impulse(c) for c in system.closures if c.flow is not None]
-    flows += [_Moved.by_reaction(d) for d in system.dependents] if flows else []
-    found: list[Correction] = []
-    for items in (positions, [item for item in flows if item.is_explicit()]):
-        found += [_correction(block) for block in _blocks(items) if any(item.must_vanish for item in block)]
-    return tuple(found)
+    if not flows:
+        return ()
+    flows += [_Moved.by_reaction(d) for d in system.dependents]
+    return _corrections([item for item in flows if item.is_explicit()])
+
+
+def _corrections(items: Sequence[_Moved]) -> tuple[Correction, ...]:
+    blocks = _blocks(items)
+    return tuple(_correction(block) for block in blocks if any(item.must_vanish for item in block))
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from propermodel.equations.system import StateKind
 from propermodel.expressions.core import TIME, Expr, SymbolKind, leaves
 from propermodel.expressions.interpret import interpret
 from propermodel.modelling.model import Scenario, Storage, TableValues
+from propermodel.simulation.consistent import close_loops, keep_loops_closed
 from propermodel.simulation.evaluate import HeldTable
 from propermodel.simulation.merging import Starts, merge_starts
 
@@ -192,7 +193,11 @@ def _states(
         start = given.get(item.path)
         values[item.symbol] = interpret(item.start, known) if start is None else start
     held = {p: HeldTable(t, compiled.graph.tables[p].spec.extrapolation == "hold") for p, t in tables.items()}
-    changed, notes = merge_starts(system, Starts(values, held, frozenset(given)))
+    starts = Starts(values, held, frozenset(given))
+    changed, notes = close_loops(system, starts)
+    for further in (merge_starts, keep_loops_closed):
+        more, said = further(system, replace(starts, values={**values, **changed}))
+        changed, notes = {**changed, **more}, (*notes, *said)
     return [changed.get(state.symbol, values[state.symbol]) for state in system.states], notes
 
 

@@ -1,0 +1,159 @@
+"""Mechanisms in the plane: geometry without mass, and point masses to hang on it.
+
+Angles count from the x axis towards the y axis. An output named `gap_*` or `excess` is a closure: it is displacement
+zero where the loop closes, so fix it. Hang masses on what they move: an inertia on each angle, a mass on each point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from propermodel.expressions import Expr, cos, sin, sqrt
+from propermodel.library.mechanics.translation.components import Mass
+from propermodel.library.mechanics.translation.sources import Weight
+from propermodel.modelling import (
+    Component,
+    KinematicTransformer,
+    Parameter,
+    Port,
+    Rotation,
+    Translation,
+    connect,
+    parameter,
+)
+
+
+class PointMass(Component):
+    """A mass that moves in the plane under its weight, y upward."""
+
+    x = Port(Translation)
+    y = Port(Translation)
+    mass: Parameter = parameter("kg", low=0.0)
+
+    along = Mass(mass=mass)
+    upward = Mass(mass=mass)
+    weight = Weight(mass=mass)
+
+    connections = (connect(x, along.flange), connect(y, upward.flange, weight.flange))
+
+
+class PinnedRod(KinematicTransformer):
+    """A rod without mass between the origin and a point: how much farther than its length the point is."""
+
+    x = Port(Translation)
+    y = Port(Translation)
+    excess = Port(Translation)
+    length: Parameter = parameter("m", low=0.0)
+    start_angle: Parameter = parameter("rad", default=0.0)
+
+    def positions(self) -> Mapping[Expr, Expr]:
+        x, y = self.x.displacement, self.y.displacement
+        return {self.excess.displacement: sqrt(x * x + y * y) - self.length}
+
+    def starts(self) -> Mapping[Expr, Expr]:
+        return {
+            self.x.displacement: self.length * cos(self.start_angle),
+            self.y.displacement: self.length * sin(self.start_angle),
+        }
+
+
+class Link(KinematicTransformer):
+    """A rod without mass between two points: how much farther than its length they are from each other.
+
+    The first point starts at the origin, the second at the length along the angle `start_angle`.
+    """
+
+    x_a = Port(Translation)
+    y_a = Port(Translation)
+    x_b = Port(Translation)
+    y_b = Port(Translation)
+    excess = Port(Translation)
+    length: Parameter = parameter("m", low=0.0)
+    start_x: Parameter = parameter("m", default=0.0)
+    start_y: Parameter = parameter("m", default=0.0)
+    start_angle: Parameter = parameter("rad", default=0.0)
+
+    def positions(self) -> Mapping[Expr, Expr]:
+        x = self.x_b.displacement - self.x_a.displacement
+        y = self.y_b.displacement - self.y_a.displacement
+        return {self.excess.displacement: sqrt(x * x + y * y) - self.length}
+
+    def starts(self) -> Mapping[Expr, Expr]:
+        return {
+            self.x_a.displacement: self.start_x,
+            self.y_a.displacement: self.start_y,
+            self.x_b.displacement: self.start_x + self.length * cos(self.start_angle),
+            self.y_b.displacement: self.start_y + self.length * sin(self.start_angle),
+        }
+
+
+class Arm(KinematicTransformer):
+    """The end of a bar that turns about the origin."""
+
+    angle = Port(Rotation)
+    x = Port(Translation)
+    y = Port(Translation)
+    length: Parameter = parameter("m", low=0.0)
+    start_angle: Parameter = parameter("rad", default=0.0)
+
+    def positions(self) -> Mapping[Expr, Expr]:
+        angle = self.angle.displacement
+        return {self.x.displacement: self.length * cos(angle), self.y.displacement: self.length * sin(angle)}
+
+    def starts(self) -> Mapping[Expr, Expr]:
+        return {self.angle.displacement: self.start_angle}
+
+
+class SliderCrankLinkage(KinematicTransformer):
+    """A crank and a connecting rod: the slider at the end of the rod moves along x, its guide holds `gap_y`."""
+
+    crank = Port(Rotation)
+    rod = Port(Rotation)
+    slider = Port(Translation)
+    gap_y = Port(Translation)
+    radius: Parameter = parameter("m", low=0.0)
+    length: Parameter = parameter("m", low=0.0)
+    start_crank: Parameter = parameter("rad", default=0.0)
+    start_rod: Parameter = parameter("rad", default=0.0, doc="a guess is enough: the closed loop decides")
+
+    def positions(self) -> Mapping[Expr, Expr]:
+        crank, rod = self.crank.displacement, self.rod.displacement
+        return {
+            self.slider.displacement: self.radius * cos(crank) + self.length * cos(rod),
+            self.gap_y.displacement: self.radius * sin(crank) + self.length * sin(rod),
+        }
+
+    def starts(self) -> Mapping[Expr, Expr]:
+        return {self.crank.displacement: self.start_crank, self.rod.displacement: self.start_rod}
+
+
+class FourBarLinkage(KinematicTransformer):
+    """Crank, coupler and rocker between two hinges on the x axis, `base` apart; fix both gaps to close it."""
+
+    crank = Port(Rotation)
+    coupler = Port(Rotation)
+    rocker = Port(Rotation)
+    gap_x = Port(Translation)
+    gap_y = Port(Translation)
+    crank_length: Parameter = parameter("m", low=0.0)
+    coupler_length: Parameter = parameter("m", low=0.0)
+    rocker_length: Parameter = parameter("m", low=0.0)
+    base: Parameter = parameter("m", low=0.0)
+    start_crank: Parameter = parameter("rad", default=0.0)
+    start_coupler: Parameter = parameter("rad", default=0.5, doc="a guess is enough: the closed loop decides")
+    start_rocker: Parameter = parameter("rad", default=1.0, doc="a guess is enough: the closed loop decides")
+
+    def positions(self) -> Mapping[Expr, Expr]:
+        crank, coupler, rocker = self.crank.displacement, self.coupler.displacement, self.rocker.displacement
+        a, b, c = self.crank_length, self.coupler_length, self.rocker_length
+        return {
+            self.gap_x.displacement: a * cos(crank) + b * cos(coupler) - c * cos(rocker) - self.base,
+            self.gap_y.displacement: a * sin(crank) + b * sin(coupler) - c * sin(rocker),
+        }
+
+    def starts(self) -> Mapping[Expr, Expr]:
+        return {
+            self.crank.displacement: self.start_crank,
+            self.coupler.displacement: self.start_coupler,
+            self.rocker.displacement: self.start_rocker,
+        }
