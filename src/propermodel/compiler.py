@@ -7,7 +7,10 @@ Each arrow is one function, each node one frozen type.
 
 from __future__ import annotations
 
+import gc
 import time
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from propermodel.bondgraph.flatten import flatten
@@ -42,7 +45,8 @@ class CompiledModel:
         """The native code for one integration method."""
         key = (method, lanes)
         if key not in self._machines:
-            self._machines[key] = build_machine(self.lowered.program, method, lanes, self.backend)
+            with _collection_later():
+                self._machines[key] = build_machine(self.lowered.program, method, lanes, self.backend)
         return self._machines[key]
 
     def __str__(self) -> str:
@@ -57,11 +61,24 @@ def compile_model(model: Model, *, backend: Backend = Backend.NATIVE) -> Compile
         StructureError: the bond graph has no causality or its equations are singular.
     """
     begin = time.perf_counter()
-    graph = flatten(model)
-    causal = select_states(complete_causality(graph))
-    system = formulate(causal)
-    lowered = lower(system)
+    with _collection_later():
+        graph = flatten(model)
+        causal = select_states(complete_causality(graph))
+        system = formulate(causal)
+        lowered = lower(system)
     return CompiledModel(model, system, lowered, backend, time.perf_counter() - begin)
+
+
+@contextmanager
+def _collection_later() -> Generator[None, None, None]:
+    """Without the collector of cycles: it would search, again and again, what is kept anyway."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 __all__ = ["Backend", "CompiledModel", "Method", "compile_model"]

@@ -189,7 +189,7 @@ def test_derived_functions():
 
 
 def test_leaves_come_in_order_of_appearance():
-    assert leaves(Y * X + Z, X) == [Y, X, Z]
+    assert leaves(Y * X + Z, X) == (Y, X, Z)
     assert MINUS_ONE not in leaves(X * -1.0)
 
 

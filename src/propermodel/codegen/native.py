@@ -27,6 +27,7 @@ from propermodel.codegen.native_memory import Control, ReadyTables, Work, ready_
 from propermodel.codegen.print_program import print_program
 from propermodel.codegen.program import Array, Program
 
+LARGE_MODULE = 1_000_000  # characters
 _compile_lock = threading.Lock()
 
 
@@ -50,8 +51,9 @@ class _Library:
             module.triple = binding.get_default_triple()
             module.data_layout = str(machine.target_data)
             module.verify()
-            # What higher levels add finds nothing in straight-line code that is printed without repetition.
-            options = binding.create_pipeline_tuning_options(speed_level=1)
+            # What higher levels add finds nothing in straight-line code that is printed without repetition. In a large
+            # module the first level takes as long as all the rest, and steps no longer become shorter.
+            options = binding.create_pipeline_tuning_options(speed_level=1 if len(text) < LARGE_MODULE else 0)
             builder = binding.create_pass_builder(machine, options)
             builder.getModulePassManager().run(module, builder)
             self._engine = binding.create_mcjit_compiler(module, machine)

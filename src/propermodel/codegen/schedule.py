@@ -8,7 +8,7 @@ from enum import IntEnum
 from typing import TypeVar
 
 from propermodel.codegen.program import Array, Assign, Function, Layout, Program, Slot, Solve
-from propermodel.expressions.core import TIME, Expr, Op
+from propermodel.expressions.core import TIME, Expr, Op, postorder
 
 READABLE = frozenset({Array.TIME, Array.STATE, Array.DISCRETE, Array.PARAMETER, Array.UNKNOWN})
 _MOST_MULTIPLIED = 32  # a larger whole exponent is left to the general power
@@ -77,20 +77,21 @@ class Order:
 
     def new_below(self, root: Expr) -> list[Expr]:
         """The nodes below a root that are neither known nor seen, arguments first."""
+        seen, known = self._seen, self._known
         result: list[Expr] = []
-        stack: list[tuple[Expr, bool]] = [(root, False)]
+        stack = [root]
         while stack:
-            node, expanded = stack.pop()
-            if node in self._seen:
-                continue
-            if is_leaf(node) or self._known(node):
-                self._seen.add(node)
-            elif expanded:
-                self._seen.add(node)
-                result.append(node)
-            else:
-                stack.append((node, True))
-                stack.extend((arg, False) for arg in reversed(node.args) if arg not in self._seen)
+            node = stack[-1]
+            if node not in seen:
+                if node.args and not known(node):
+                    missing = [arg for arg in node.args if arg not in seen]
+                    if missing:
+                        missing.reverse()
+                        stack.extend(missing)
+                        continue
+                    result.append(node)
+                seen.add(node)
+            stack.pop()
         return result
 
 
@@ -180,13 +181,7 @@ def roots_of(function: Function) -> list[Expr]:
 
 def nodes_of(functions: Iterable[Function]) -> list[Expr]:
     """Every node of some functions once, leaves included, arguments first."""
-    order = Order(lambda _: False)
-    found: dict[Expr, None] = {}
-    for root in (root for function in functions for root in roots_of(function)):
-        for node in (*order.new_below(root), root):
-            found.update((arg, None) for arg in node.args)
-            found[node] = None
-    return list(found)
+    return postorder(root for function in functions for root in roots_of(function))
 
 
 def node_levels(functions: Iterable[Function], layout: Layout) -> dict[Expr, Level]:

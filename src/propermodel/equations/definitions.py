@@ -29,9 +29,17 @@ class Variables:
 
     def __init__(self, graph: BondGraph) -> None:
         self.graph = graph
+        self._known: dict[tuple[Path, Variable], Expr] = {}
 
     def of(self, bond: Bond, variable: Variable) -> Expr:
         """The symbol of a bond's effort or flow."""
+        key = (bond.name, variable)
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = self._symbol(bond, variable)
+        return found
+
+    def _symbol(self, bond: Bond, variable: Variable) -> Expr:
         domain = self.graph.domains.get(bond.domain)
         kind = SymbolKind.EFFORT if variable is Variable.EFFORT else SymbolKind.FLOW
         unit = "" if domain is None else domain.effort_unit if variable is Variable.EFFORT else domain.flow_unit

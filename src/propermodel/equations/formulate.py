@@ -107,9 +107,11 @@ def formulate(causal: CausalGraph) -> EquationSystem:
 def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVariable], dict[Expr, Expr]]:
     """Every state with its derivative, and the rates by symbol (time included)."""
     states: list[StateVariable] = []
+    variables = Variables(causal.graph)
+    integral = set(causal.integral)
     for element in causal.graph.normal.elements.values():
-        if element.path in causal.integral and isinstance(element.behaviour, Storage):
-            states.extend(_storage_states(causal, element, element.behaviour, resolution))
+        if element.path in integral and isinstance(element.behaviour, Storage):
+            states.extend(_storage_states(causal, variables, element, element.behaviour, resolution))
     positions = positions_of(causal, resolution)
     states.extend(
         _state(
@@ -141,13 +143,12 @@ def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Exp
 
 
 def _storage_states(
-    causal: CausalGraph, element: Element, storage: Storage, resolution: Resolution
+    causal: CausalGraph, variables: Variables, element: Element, storage: Storage, resolution: Resolution
 ) -> list[StateVariable]:
     """The states of a storage: its stored quantities change by what its bonds bring."""
     is_c = storage.kind is ElementKind.COMPLIANCE
     driver = Variable.FLOW if is_c else Variable.EFFORT
-    variables = Variables(causal.graph)
-    bonds = causal.graph.normal.bonds
+    bonds = variables.graph.normal.bonds
     state_kind = StateKind.DISPLACEMENT if is_c else StateKind.MOMENTUM
     symbols = [symbol(SymbolKind.STATE, element.path / c.name, c.unit) for c in storage.coordinates]
     inflows = [resolution.values[variables.of(bonds[element.path / port], driver)] for port, _ in storage.stored]

@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import StrEnum
+from operator import is_
 from typing import Any, NoReturn
-from weakref import WeakValueDictionary
+from weakref import ref
 
 from propermodel.diagnostics import ModelError, Path
 
@@ -74,12 +75,13 @@ class SymbolKind(StrEnum):
 class Symbol:
     """The identity of a symbol leaf: its kind and path; the unit is carried along."""
 
-    __slots__ = ("kind", "path", "unit")
+    __slots__ = ("_hash", "kind", "path", "unit")
 
     def __init__(self, kind: SymbolKind, path: Path, unit: str = "") -> None:
         self.kind = kind
         self.path = path
         self.unit = unit
+        self._hash = hash((kind, path, unit))
 
     def __eq__(self, other: object) -> bool:
         return (
@@ -90,22 +92,36 @@ class Symbol:
         )
 
     def __hash__(self) -> int:
-        return hash((self.kind, self.path, self.unit))
+        return self._hash
 
     def __repr__(self) -> str:
         return f"{self.kind}:{self.path}"
 
 
-_interned: WeakValueDictionary[tuple[Any, ...], Expr] = WeakValueDictionary()
+class _Interned(ref["Expr"]):
+    """A weak reference to a node, which knows the key it is found by."""
+
+    __slots__ = ("key",)
+    key: tuple[Any, ...]
+
+
+# A plain dictionary of weak references: most of the time of building a model is spent looking nodes up.
+_interned: dict[tuple[Any, ...], _Interned] = {}
+
+
+def _forget(reference: _Interned) -> None:
+    if _interned.get(reference.key) is reference:
+        del _interned[reference.key]
 
 
 class Expr:
     """A scalar expression of numbers, symbols and functions."""
 
-    __slots__ = ("__weakref__", "args", "data", "op")
+    __slots__ = ("__weakref__", "args", "data", "known_leaves", "op")
     op: Op
     args: tuple[Expr, ...]
     data: Any
+    known_leaves: tuple[Expr, ...] | None  # of a node with arguments, once somebody has asked for them
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"expressions are immutable; cannot set '{name}'")
@@ -191,14 +207,20 @@ ExprLike = Expr | float | int
 def intern_node(op: Op, args: tuple[Expr, ...], data: Any = None) -> Expr:
     """The one node of this kind with these arguments, without simplification."""
     key = (op, args, data)
-    found = _interned.get(key)
-    if found is not None:
-        return found
+    reference = _interned.get(key)
+    if reference is not None:
+        found = reference()
+        if found is not None:
+            return found
     node = object.__new__(Expr)
-    object.__setattr__(node, "op", op)
-    object.__setattr__(node, "args", args)
-    object.__setattr__(node, "data", data)
-    _interned[key] = node
+    assign = object.__setattr__
+    assign(node, "op", op)
+    assign(node, "args", args)
+    assign(node, "data", data)
+    assign(node, "known_leaves", None)
+    reference = _Interned(node, _forget)
+    reference.key = key
+    _interned[key] = reference
     return node
 
 
@@ -529,23 +551,47 @@ def postorder(roots: Iterable[Expr]) -> list[Expr]:
     seen: set[Expr] = set()
     order: list[Expr] = []
     for root in roots:
-        stack: list[tuple[Expr, bool]] = [(root, False)]
+        stack = [root]
         while stack:
-            node, expanded = stack.pop()
-            if node in seen:
-                continue
-            if expanded or not node.args:
+            node = stack[-1]
+            if node not in seen:
+                missing = [arg for arg in node.args if arg not in seen]
+                if missing:
+                    missing.reverse()
+                    stack.extend(missing)
+                    continue
                 seen.add(node)
                 order.append(node)
-                continue
-            stack.append((node, True))
-            stack.extend((arg, False) for arg in reversed(node.args) if arg not in seen)
+            stack.pop()
     return order
 
 
-def leaves(*roots: Expr) -> list[Expr]:
-    """The symbols below the roots, in order of first appearance."""
-    return [node for node in postorder(roots) if not node.args and node.op is not Op.CONSTANT]
+def leaves(*roots: Expr) -> tuple[Expr, ...]:
+    """The symbols below the roots, in order of first appearance; those of one root are remembered."""
+    is_single = len(roots) == 1 and bool(roots[0].args)
+    if is_single:
+        known = roots[0].known_leaves
+        if known is not None:
+            return known
+    seen: set[Expr] = set()
+    found: list[Expr] = []
+    stack = list(reversed(roots))
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if not node.args:
+            if node.op is not Op.CONSTANT:
+                found.append(node)
+        elif node.known_leaves is not None:
+            stack.extend(node.known_leaves[::-1])
+        else:
+            stack.extend(node.args[::-1])
+    answer = tuple(found)
+    if is_single:
+        object.__setattr__(roots[0], "known_leaves", answer)
+    return answer
 
 
 class Substitution:
@@ -566,21 +612,17 @@ class Substitution:
     def __call__(self, expr: Expr) -> Expr:
         """The expression with the replacements made."""
         done = self._done
-        if expr in done:
-            return done[expr]
         stack = [expr]
         while stack:
             node = stack[-1]
-            if node in done:
-                stack.pop()
-                continue
-            missing = [arg for arg in node.args if arg not in done]
-            if missing:
-                stack.extend(missing)
-                continue
-            new = tuple(done[arg] for arg in node.args)
-            same = all(a is b for a, b in zip(new, node.args, strict=True))
-            done[node] = node if same else rebuild(node.op, new, node.data)
+            if node not in done:
+                missing = [arg for arg in node.args if arg not in done]
+                if missing:
+                    stack.extend(missing)
+                    continue
+                new = [done[arg] for arg in node.args]
+                is_same = all(map(is_, new, node.args))
+                done[node] = node if is_same else rebuild(node.op, new, node.data)
             stack.pop()
         return done[expr]
 
