@@ -286,6 +286,19 @@ def test_a_run_that_was_interrupted_is_refused():
         rank_activity(broken)
 
 
+def test_runs_that_blew_up_are_refused():
+    model = compiled(damped())
+    good = simulate(model, scenario(10.0), method=Method.RK4, step=1e-2, record_every=1.0)
+    blown = simulate(model, scenario(400.0), method=Method.EULER, step=1.0, record_every=1.0)
+    for name, given in (("run", (blown, None)), ("refined run", (good, blown))):
+        with pytest.raises(ReductionError) as caught:
+            rank_activity(given[0], refined=given[1])
+        (fault,) = caught.value.diagnostics
+        assert fault.code == "activity/incomplete"
+        assert fault.message == f"the {name} did not reach its end: {blown.ending.message}"
+        assert "is no longer a finite number; try a smaller step" in fault.message
+
+
 def test_a_window_counts_only_what_happens_in_it():
     model = compiled(damped())
     r = simulate(model, scenario(3.0), method=Method.RK4, step=1e-3, record_every=1.0, integrals_every=0.5)

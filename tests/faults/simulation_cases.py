@@ -297,5 +297,5 @@ CASES = (
         at="field = Coupling()",
         cure="every port of a field",
     ),
-    Case(code="study/incomplete", run=incomplete_study, names=("body.momentum",), cure="smaller step"),
+    Case(code="study/incomplete", run=incomplete_study, names=("suspension.spring.port",), cure="smaller step"),
 )

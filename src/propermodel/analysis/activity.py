@@ -111,6 +111,8 @@ def rank_activity(
         ReductionError: nothing moved, the run did not reach its end, or true and pseudo bonds would be mixed.
     """
     _check(trajectory)
+    if refined is not None:
+        _check_complete(refined, "refined run")
     activities = row_activities(trajectory, window)
     total = sum(activities.values())
     if not total > 0.0:
@@ -149,13 +151,18 @@ def rank_activity(
     )
 
 
-def _check(trajectory: Trajectory) -> None:
+def _check_complete(trajectory: Trajectory, name: str) -> None:
     if not trajectory.ending.is_complete:
         raise ReductionError.of(
             "activity/incomplete",
-            f"the run did not reach its end: {trajectory.ending.message}",
+            f"the {name} did not reach its end: {trajectory.ending.message}",
+            where=str(trajectory.ending.path),
             help="rank a run that is complete: cure the failure (a smaller step?), or let the scenario stop earlier",
         )
+
+
+def _check(trajectory: Trajectory) -> None:
+    _check_complete(trajectory, "run")
     graph = trajectory.compiled.graph
     bonds = [graph.normal.bonds[name] for row in trajectory.compiled.system.rows for name in row.bonds]
     pseudo = [bond for bond in bonds if not graph.domains[bond.domain].is_true]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -18,6 +18,7 @@ from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.equilibrium import equilibrium_start
+from propermodel.simulation.overflow import Overflow, first_overflow, overflow_at_end
 from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
 
@@ -133,7 +134,7 @@ def simulate(
         start_signals=start_signals,
         final_signals=_final_signals(machine, memory, outcome),
         memory=memory,
-        ending=_ending(compiled, outcome, memory),
+        ending=_ending(compiled, outcome, memory, rows.overflow),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
         notes=notes,
     )
@@ -170,6 +171,7 @@ class _Rows:
         self.activities: FloatArray = np.empty((integral_room, powers))
         self.count = 0
         self.integral_count = 0
+        self.overflow: Overflow | None = None
 
     def keep(self, outcome: Outcome) -> None:
         """Take over what one call recorded."""
@@ -183,6 +185,8 @@ class _Rows:
         self.integrals[here] = outcome.integrals
         self.activities[here] = outcome.activities
         self.integral_count += n
+        if self.overflow is None:
+            self.overflow = first_overflow(outcome.integral_times, outcome.integrals, outcome.activities)
 
 
 def _run(
@@ -203,7 +207,7 @@ def _run(
             rows.keep(outcome)
             if progress is not None:
                 progress(Progress(memory.time, scenario.start, scenario.stop, time.perf_counter() - begin_wall))
-            if outcome.status is not Status.PAUSED:
+            if outcome.status is not Status.PAUSED or rows.overflow is not None:
                 return outcome
             factor = min(max(RETURN_EVERY_S / max(taken, 1e-6), 0.25), 4.0)
             request = replace(request, most_ticks=max(1, min(int(request.most_ticks * factor), 1_000_000)))
@@ -218,10 +222,21 @@ def _final_signals(machine: Machine, memory: Memory, outcome: Outcome | None) ->
     return np.full(machine.program.layout.lengths[Array.SIGNAL], np.nan)
 
 
-def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory) -> Ending:
+def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, overflow: Overflow | None) -> Ending:
     at = memory.time
     if outcome is None:
         return Ending(RunStatus.INTERRUPTED, f"interrupted at {at:.6g} s; what was computed is kept", at)
+    if overflow is None and outcome.status is Status.FINISHED:
+        overflow = overflow_at_end(memory)
+    if overflow is not None:
+        path = _of_an_element(compiled, [compiled.lowered.powers[index].path for index in overflow.powers])
+        return Ending(
+            RunStatus.FAILED,
+            f"stopped at {overflow.time:.6g} s: the energy exchanged at {path} is no longer a finite number; "
+            "try a smaller step",
+            overflow.time,
+            path,
+        )
     match outcome.status:
         case Status.FINISHED | Status.PAUSED:
             return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
@@ -252,6 +267,12 @@ def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory) ->
                 outcome.time,
                 block.paths[0],
             )
+
+
+def _of_an_element(compiled: CompiledModel, paths: Sequence[Path]) -> Path:
+    """The first of these paths that is a bond of an energy element, as authors know it, or the first."""
+    known = {bond for row in compiled.system.rows for bond in row.bonds}
+    return next((path for path in paths if path in known), paths[0])
 
 
 def _selected(
