@@ -147,6 +147,8 @@ def test_what_holds_a_preloaded_body_does_not_go_together():
     assert verdicts(reduction)["spring"] is Verdict.REFUSED
     reason = next(d.reason for d in reduction.decisions if str(d.row.path) == "spring")
     assert "out of 1-junction body.flange, with all that would go there 0.78%" in reason
+    (line,) = (line for line in str(reduction).splitlines() if line.split()[0] == "spring")
+    assert line.endswith(f"%  refused  {reason}")
     reduced = run(full.model.without(reduction.removals), 2.0, step=5e-4)
     assert np.max(np.abs(reduced["body.flange.flow"])) < 0.2  # without its spring it would fall at 20 m/s
     fallen = run(full.model.without([ZeroEffort(parse_path("spring.port"))]), 2.0, step=5e-4)

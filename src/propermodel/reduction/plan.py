@@ -29,13 +29,21 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The verdict on one row, with the removals made for it and the reason in words and numbers."""
+    """The verdict on one row, with the removals made for it and the reason in words and numbers.
+
+    `meaning` says what replaces a row that goes; it is empty for one that stays.
+    """
 
     row: ActivityRow
     verdict: Verdict
     removals: tuple[Removal, ...]
     meaning: str
     reason: str
+
+    @property
+    def explanation(self) -> str:
+        """What replaces the row, and why."""
+        return f"{self.meaning}: {self.reason}" if self.meaning else self.reason
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +84,7 @@ class Reduction:
         lines = [
             head,
             *(
-                f"  {d.row.path!s:<{width}} {d.row.index:>8.3%}  {d.verdict:<8} {d.meaning}: {d.reason}"
+                f"  {d.row.path!s:<{width}} {d.row.index:>8.3%}  {d.verdict:<8} {d.explanation}"
                 for d in self.decisions
                 if d.verdict is not Verdict.KEPT
             ),

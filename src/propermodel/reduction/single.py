@@ -36,7 +36,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
-    """Removals that belong together, for one row or a group; without removals it is a refusal."""
+    """Removals that belong together, for one row or a group; without removals and meaning it is a refusal."""
 
     rows: tuple[Path, ...]
     removals: tuple[Removal, ...]
@@ -46,7 +46,7 @@ class Proposal:
 
     def refused(self, why: str) -> Proposal:
         """The same proposal, refused."""
-        return replace(self, removals=(), terms=(), meaning="refused", reason=f"{self.meaning} was tried, but {why}")
+        return replace(self, removals=(), terms=(), meaning="", reason=f"{self.meaning} was tried, but {why}")
 
 
 def propose_constant(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal | None:
@@ -153,7 +153,7 @@ def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Remov
 def _refuse(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal:
     if not _is_one_port_row(evidence, row):
         reason = "a field couples several junctions, and its group could not be separated from the rest"
-        return Proposal((row.path,), (), "refused", reason)
+        return Proposal((row.path,), (), "", reason)
     worst = ""
     for name, _ in row.ports:
         bond = evidence.structure.bonds[name]
@@ -172,4 +172,4 @@ def _refuse(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Propos
                 f"its {kind.common.other} is on average {size:.0%} of the greatest at {kind}-junction {junction}: "
                 "a preload that does no work but must not be dropped"
             )
-    return Proposal((row.path,), (), "refused", worst or "no replacement is possible at its junction")
+    return Proposal((row.path,), (), "", worst or "no replacement is possible at its junction")
