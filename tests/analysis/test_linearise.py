@@ -16,7 +16,7 @@ from propermodel.modelling import Component, Scenario, connect, elaborate
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.start import begin
 from tests.cli.quarter_car import QuarterCar
-from tests.parts import Capacitor, Coil, Damper, Ground, Mass, Resistor, Velocity, Voltage
+from tests.parts import Capacitor, Coil, Damper, Force, Ground, Mass, Resistor, Velocity, Voltage
 from tests.physics.systems import CubicDamper, system
 from tests.rigs import Rig, rigs
 
@@ -139,12 +139,23 @@ def test_truck_in_motion_is_linearised_as_by_finite_differences():
 
 
 def test_python_control_gets_the_same_model():
-    control = pytest.importorskip("control")
+    import control
+
     model = linearise(compile_model(elaborate(QuarterCar())), Scenario(), outputs=["body.flange.flow"])
     other = model.to_control()
     assert other.input_labels == ["road_flow"]
     np.testing.assert_allclose(np.sort_complex(control.poles(other)), np.sort_complex(model.poles), rtol=1e-9)
     np.testing.assert_allclose(control.dcgain(other), 1.0, rtol=1e-9)
+
+
+def test_python_control_gets_every_name_once():
+    one, push = Mass(mass=1.0), Force(force=1.0)
+    other, pull = Mass(mass=2.0), Force(force=1.0)
+    pushed = system(connect(one.flange, push.flange), b_c=one, push=push)
+    pulled = system(connect(other.flange, pull.flange), c=other, pull=pull)
+    model = linearise(compile_model(elaborate(system(a=pushed, a_b=pulled))), Scenario())
+    assert [str(path) for path in model.states] == ["a.b_c.momentum", "a_b.c.momentum"]
+    assert model.to_control().state_labels == ["a_b_c_momentum", "a_b_c_momentum_2"]
 
 
 def test_an_unknown_input_or_output_is_reported_with_the_nearest_name():

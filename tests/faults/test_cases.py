@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from tests.faults import document_cases, model_cases, simulation_cases, structure_cases
+from tests.faults import document_cases, linear_cases, model_cases, simulation_cases, structure_cases
 from tests.faults.case import Case
 
-CASES = (*model_cases.CASES, *structure_cases.CASES, *simulation_cases.CASES, *document_cases.CASES)
+CASES = (
+    *model_cases.CASES,
+    *structure_cases.CASES,
+    *simulation_cases.CASES,
+    *document_cases.CASES,
+    *linear_cases.CASES,
+)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.code)

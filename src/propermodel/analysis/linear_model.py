@@ -44,7 +44,7 @@ class ElementVariables:
     """Small deviations at every port of a storage or resistance, as rows over the states.
 
     `efforts` and `others` are effort and displacement of a compliance, flow and momentum of an inertia, effort and flow
-    of a resistance.
+    of a resistance. Ports whose law has a vertical tangent at the point are left out.
     """
 
     paths: tuple[Path, ...]
@@ -172,7 +172,7 @@ class LinearModel:
     def to_control(self) -> Any:
         """The model as a `StateSpace` of python-control, with names; needs the extra `control`.
 
-        Its names cannot hold dots, so those of paths become underscores.
+        Its names cannot hold dots, so those of paths become underscores, with a number where two would be the same.
 
         Raises:
             SimulationError: an output follows the rate of an input, or python-control is not installed.
@@ -191,9 +191,9 @@ class LinearModel:
             B,
             self.C,
             D,
-            inputs=[str(path).replace(".", "_") for path in self.inputs],
-            outputs=[str(path).replace(".", "_") for path in self.outputs],
-            states=[str(path).replace(".", "_") for path in self.states],
+            inputs=_labels(self.inputs),
+            outputs=_labels(self.outputs),
+            states=_labels(self.states),
             name=self.name,
             remove_useless_states=False,
         )
@@ -228,6 +228,18 @@ class LinearModel:
             if matrix.any():
                 lines.extend(_matrix_lines(letter, matrix))
         return "\n".join(lines)
+
+
+def _labels(paths: tuple[Path, ...]) -> list[str]:
+    """Names without dots, each once."""
+    labels: list[str] = []
+    for path in paths:
+        name = label = str(path).replace(".", "_")
+        number = 2
+        while label in labels:
+            label, number = f"{name}_{number}", number + 1
+        labels.append(label)
+    return labels
 
 
 def _matrix_lines(letter: str, matrix: FloatArray) -> list[str]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from propermodel.analysis.inputs import Opened, open_inputs
 from propermodel.analysis.linear_model import ElementVariables, LinearModel, OperatingPoint
-from propermodel.codegen.machine import FloatArray, Memory
+from propermodel.codegen.machine import BoolArray, FloatArray, Memory
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
@@ -48,7 +49,7 @@ def linearise(
     """
     memory, description = _memory(compiled, at, time)
     opened = open_inputs(compiled, memory, inputs)
-    point = Point(opened.system, opened.lowered, opened.memory)
+    point = Point(opened.system, opened.lowered, opened.memory, from_above=True)
     system = opened.system
     chosen = _outputs(compiled, outputs)
     units = [opened.lowered.observables[path].unit if path.name != "power" else "W" for path in chosen]
@@ -72,6 +73,8 @@ def linearise(
     _check_finite(head, [*(state.path for state in system.states), *chosen], point.time)
     rows = csr_array(whole[n + p :])[:, :n]
     half = rows.shape[0] // 2
+    efforts, others = csr_array(rows[:half]), csr_array(rows[half:])
+    known = np.flatnonzero(_is_finite(efforts) & _is_finite(others))
     return LinearModel(
         name=compiled.model.name,
         states=tuple(state.path for state in system.states),
@@ -95,10 +98,10 @@ def linearise(
             rates=_frozen(point.values(rates)),
         ),
         elements=ElementVariables(
-            paths=tuple(ports),
-            is_storage=tuple(stored),
-            efforts=csr_array(rows[:half]),
-            others=csr_array(rows[half:]),
+            paths=tuple(ports[index] for index in known),
+            is_storage=tuple(stored[index] for index in known),
+            efforts=csr_array(efforts[known]),
+            others=csr_array(others[known]),
         ),
     )
 
@@ -106,6 +109,14 @@ def linearise(
 def _frozen(values: FloatArray) -> FloatArray:
     result = np.array(values, dtype=np.float64)
     result.flags.writeable = False
+    return result
+
+
+def _is_finite(rows: Any) -> BoolArray:
+    """Whether all entries of each row of a sparse matrix are finite."""
+    result = np.ones(rows.shape[0], dtype=np.bool_)
+    entries = rows.tocoo()
+    result[entries.row[~np.isfinite(entries.data)]] = False
     return result
 
 

@@ -6,6 +6,7 @@ Derivatives are made by forward differentiation with numbers, one sparse row per
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -30,13 +31,21 @@ NOTHING: Row = {}
 class Point:
     """The values of the expressions of a system at the time and state of a memory, which is not changed."""
 
-    def __init__(self, system: EquationSystem, lowered: Lowered, memory: Memory) -> None:
+    def __init__(self, system: EquationSystem, lowered: Lowered, memory: Memory, *, from_above: bool = False) -> None:
         """Solve the implicit blocks at this point.
+
+        Args:
+            system: The equations.
+            lowered: Their program.
+            memory: The point.
+            from_above: Whether derivatives where an absolute value or a root is zero are those of growing arguments, so
+                that a vertical tangent shows, instead of zero, with which iterations go on.
 
         Raises:
             SimulationError: an implicit block has no solution here.
         """
         program = lowered.program
+        self._from_above = from_above
         self.system = system
         self.lowered = lowered
         self.time = memory.time
@@ -159,11 +168,20 @@ class Point:
                 continue
             self._compute((partial,), self._values)
             factor = float(self._values[partial])
+            if factor == 0.0 and self._from_above:
+                factor = self._from_above_zero(node, partial)
             if factor == 0.0:
                 continue
             for leaf, value in row.items():
                 result[leaf] = result.get(leaf, 0.0) + factor * value
         return result
+
+    def _from_above_zero(self, node: Expr, partial: Expr) -> float:
+        """What a derivative that is zero where its argument is zero tends to as the argument decreases to zero."""
+        if partial.op is Op.SIGN:
+            return 1.0
+        is_vertical = node.op is Op.SQUARE_ROOT and self._values[node] == 0.0
+        return math.inf if is_vertical else 0.0
 
     def _differentiate_solution(self, solve: Solve, known: dict[Expr, Row]) -> None:
         """The derivatives of the unknowns z(x) of residuals r(z, x) = 0: dz/dx = - (dr/dz)^-1 dr/dx."""
