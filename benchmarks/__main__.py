@@ -5,13 +5,11 @@ from __future__ import annotations
 import platform
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from statistics import median
 
-from benchmarks.chain import chain_model
+from benchmarks.growth import print_growth
 from propermodel.analysis.activity import rank_activity
-from propermodel.codegen.build import build_machine
 from propermodel.codegen.machine import Method
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.library.vehicle.mission import mission
@@ -50,7 +48,7 @@ def main() -> None:
     scenario = mission("fmtv_mixed")
     reduced = _reduce(full, scenario)
     _race(full, reduced, replace(scenario, stop=WINDOW))
-    _growth((57, 200, 500))
+    print_growth()
 
 
 def _cold_start() -> None:
@@ -87,16 +85,6 @@ def _race(full: CompiledModel, reduced: CompiledModel, scenario: Scenario) -> No
             spread = f"{min(times) / steps * 1e9:.0f} to {max(times) / steps * 1e9:.0f}"
             print(f"  {method:<20} {name:<8} {median(times) / steps * 1e9:>6.0f} ns a step ({spread})")
         print(f"  {method:<20} ratio    {median(walls['full']) / median(walls['reduced']):>6.2f}")
-
-
-def _growth(sizes: tuple[int, ...]) -> None:
-    print("chain of N mass-spring-damper sections, from components to native code:")
-    for size in sizes:
-        begin = time.perf_counter()
-        compiled = compile_model(elaborate(chain_model(size)))
-        front = time.perf_counter()
-        build_machine(compiled.lowered.program, Method.SEMI_IMPLICIT)
-        print(f"  N = {size:>4}: equations {front - begin:.2f} s, native code {time.perf_counter() - front:.2f} s")
 
 
 if __name__ == "__main__":
