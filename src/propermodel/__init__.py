@@ -84,6 +84,7 @@ from propermodel.modelling import (
     replace,
     table,
     table_values,
+    when,
 )
 
 if TYPE_CHECKING:
@@ -198,6 +199,7 @@ __all__ = [
     "Discrete",
     "State",
     "Updates",
+    "when",
     # laws
     "Expr",
     "absolute",

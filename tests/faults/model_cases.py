@@ -42,6 +42,17 @@ class Rig(Component):
     connections = (connect(mass.flange, spring.a), connect(spring.b, wall.flange))
 
 
+class Bouncing(Mass):
+    """A mass that changes what belongs to something else."""
+
+    def events(self):
+        return (pm.when(self.flange.flow < 0.0, {self.flange.flow: 0.0}),)
+
+
+def event_of_something_else() -> object:
+    return elaborate(Bouncing(mass=1.0))
+
+
 # -- names ----------------------------------------------------------------------------------------------
 
 
@@ -295,6 +306,13 @@ def driven_twice() -> object:
 
 
 CASES = (
+    Case(
+        code="model/event",
+        run=event_of_something_else,
+        names=("Bouncing", "flange.flow"),
+        at="pm.when(",
+        cure="own Discrete values",
+    ),
     Case(
         code="model/unknown-parameter",
         run=unknown_parameter,

@@ -93,6 +93,20 @@ class NoInverse(Component):
     connections = (connect(road.flange, mass.flange),)
 
 
+class BouncingMass(Mass):
+    """A mass that bounces off something."""
+
+    def events(self):
+        return (pm.when(self.flange.flow < 0.0, {self.flange.momentum: -self.flange.momentum}),)
+
+
+class DrivenBouncer(Component):
+    road = Velocity(velocity=1.0)
+    mass = BouncingMass(mass=1.0)
+
+    connections = (connect(road.flange, mass.flange),)
+
+
 class Idle(Component):
     """Junctions without anything that decides them."""
 
@@ -104,6 +118,13 @@ class Idle(Component):
 
 
 CASES = (
+    Case(
+        code="equations/event",
+        run=lambda: compiled(DrivenBouncer()),
+        names=("mass.momentum", "dependent"),
+        at="pm.when(",
+        cure="put a compliance in between",
+    ),
     Case(
         code="causality/conflict",
         run=lambda: compiled(TwoVoltages()),

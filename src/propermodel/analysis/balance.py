@@ -24,25 +24,27 @@ class EnergyBalance:
     exchanged: float  # sum over storage of the integral of |power|
     stored: float
     dissipated: float
+    lost_in_events: float
     wiring_residual: float
     sources: tuple[tuple[Path, float], ...]
 
     @property
     def integration_residual(self) -> float:
-        """What is missing between supplied, stored and dissipated energy."""
-        return self.supplied - self.stored - self.dissipated
+        """What is missing between supplied, stored and dissipated energy and that lost in events."""
+        return self.supplied - self.stored - self.dissipated - self.lost_in_events
 
     @property
     def relative_residual(self) -> float:
         """The integration residual as a share of the source work, without sources of what storage exchanged."""
-        scale = max(self.throughput or self.exchanged, abs(self.stored), abs(self.dissipated))
+        scale = max(self.throughput or self.exchanged, abs(self.stored), abs(self.dissipated), abs(self.lost_in_events))
         return abs(self.integration_residual) / scale if scale else 0.0
 
     def __str__(self) -> str:
+        events = f" + lost in events {self.lost_in_events:.6g} J" if self.lost_in_events else ""
         scale = "the source work" if self.throughput else "what storage exchanged"
         return (
             f"energy balance: sources {self.supplied:.6g} J = stored {self.stored:.6g} J + dissipated "
-            f"{self.dissipated:.6g} J; residual {self.relative_residual:.2e} of {scale}, "
+            f"{self.dissipated:.6g} J{events}; residual {self.relative_residual:.2e} of {scale}, "
             f"wiring {abs(self.wiring_residual):.2e} J"
         )
 
@@ -76,6 +78,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
         exchanged=exchanged,
         stored=stored,
         dissipated=dissipated,
+        lost_in_events=sum(event.lost for event in trajectory.events),
         wiring_residual=wiring,
         sources=tuple(sources),
     )

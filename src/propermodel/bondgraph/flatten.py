@@ -10,6 +10,7 @@ from propermodel.bondgraph.graph import (
     BondGraph,
     Element,
     End,
+    FlatEvent,
     FlatParameter,
     FlatTable,
     Junction,
@@ -81,7 +82,15 @@ def flatten(model: Model) -> BondGraph:
         removals=model.removals,
         known_zero={name: v for name, v in net.known_zero.items() if name in original.bonds},
         idle=tuple(path for path in original.elements if path not in normal.elements),
+        discretes=tuple(walk.discretes),
+        events=tuple(event for event in walk.events if _still_happens(event, original, normal)),
     )
+
+
+def _still_happens(event: FlatEvent, original: Structure, normal: Structure) -> bool:
+    """Whether removals have left what an event belongs to: a block, or an element that is what it was."""
+    before, after = original.elements.get(event.element), normal.elements.get(event.element)
+    return before is None or (after is not None and after.kind is before.kind)
 
 
 class _Flattening:
@@ -104,6 +113,8 @@ class _Flattening:
         self.declared_signals: dict[Expr, tuple[Direction, Source]] = {}
         self.signal_states: list[SignalState] = []
         self.controllers: list[SampledController] = []
+        self.discretes: list[tuple[Expr, Expr]] = []
+        self.events: list[FlatEvent] = []
         self.parameters: dict[Path, FlatParameter] = {}
         self.tables: dict[Path, FlatTable] = {}
         self.node_ports: dict[Path, NodePort] = {}
@@ -201,6 +212,10 @@ class _Flattening:
                         self.define(leaf, symbol(SymbolKind.DISCRETE, path / name, leaf.data.unit))
             case Resistive() | Storage() | PowerSource() | TwoPort():
                 self.add_element(definition, path, scope, group, source)
+        self.discretes.extend(
+            (symbol(SymbolKind.DISCRETE, path / name, unit), scope(start)) for name, unit, start in definition.discretes
+        )
+        self.events.extend(scope.event(event) for event in definition.events)
 
     def add_element(self, definition: Definition, path: Path, scope: Scope, group: Path | None, source: Source) -> None:
         """Add an element with its ports, and the junction of an element between two ports."""

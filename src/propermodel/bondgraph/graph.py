@@ -103,6 +103,16 @@ class SampledController:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FlatEvent:
+    """An event of an element or signal block in absolute symbols: symbol of a state or held value, value afterwards."""
+
+    element: Path
+    condition: Expr
+    changes: tuple[tuple[Expr, Expr], ...]
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SignalState:
     """A continuous state of a signal block."""
 
@@ -167,6 +177,13 @@ class BondGraph:
     removals: tuple[Removal, ...]
     known_zero: Mapping[Path, Variable]  # original bonds without effort or without flow
     idle: tuple[Path, ...]  # elements that removals left without anything to act on
+    discretes: tuple[tuple[Expr, Expr], ...] = ()  # held values that events change, and their starts
+    events: tuple[FlatEvent, ...] = ()
+
+    @property
+    def held(self) -> tuple[tuple[Expr, Expr], ...]:
+        """Every held value with its start: those of controllers, then those that events change."""
+        return (*(start for controller in self.controllers for start in controller.starts), *self.discretes)
 
     def __str__(self) -> str:
         lines = [f"bond graph of {self.model.name}: {len(self.normal.elements)} elements, "]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from propermodel.bondgraph.graph import ElementBehaviour, SampledController
+from propermodel.bondgraph.graph import ElementBehaviour, FlatEvent, SampledController
 from propermodel.diagnostics import Path, Source
 from propermodel.expressions.core import Expr, Substitution, SymbolKind, leaves, symbol
 from propermodel.modelling.model import (
     Behaviour,
     Coordinate,
     Definition,
+    Event,
     PowerSource,
     ResistanceLaw,
     Resistive,
@@ -71,6 +72,15 @@ class Scope:
                 return replace(behaviour, modulus=self(behaviour.modulus), position=position)
             case _:
                 raise TypeError(f"{behaviour!r} is not an element")
+
+    def event(self, event: Event) -> FlatEvent:
+        """An event in absolute symbols."""
+        return FlatEvent(
+            element=self.path,
+            condition=self(event.condition),
+            changes=tuple((self.absolute(target), self(value)) for target, value in event.changes),
+            source=event.source,
+        )
 
     def controller(self, sampled: Sampled, source: Source) -> SampledController:
         """A controller in absolute symbols; its outputs are held values."""

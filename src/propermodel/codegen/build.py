@@ -21,6 +21,8 @@ def build_machine(program: Program, method: Method, lanes: int = 1, backend: Bac
     """The machine for a program; `lanes` runs are done side by side."""
     if lanes < 1:
         raise ValueError(f"a machine has at least one lane, not {lanes}")
+    if lanes > 1 and program.guards is not None:
+        raise ValueError("a program with events runs in one lane: every run meets its own instants")
     if backend is Backend.INTERPRETED:
         return InterpretedMachine(program, method, lanes)
     return NativeMachine(program, method, lanes)

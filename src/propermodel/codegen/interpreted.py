@@ -25,6 +25,7 @@ from propermodel.codegen.machine import (
     check_memory,
     check_request,
     count_from,
+    has_risen,
     instant,
     not_converged,
     sample_periods,
@@ -67,6 +68,8 @@ class _Run:
             Array.RATE: zeros(Array.RATE),
             Array.POWER: zeros(Array.POWER),
             Array.SIGNAL: zeros(Array.SIGNAL),
+            Array.GUARD: zeros(Array.GUARD),
+            Array.JUMP: zeros(Array.JUMP),
         }
 
     def fail(self, lanes: Sequence[int], number: int) -> None:
@@ -190,6 +193,8 @@ class InterpretedMachine:
         self._observe = _Code(program, program.observe, numbers)
         self._samples = [_Code(program, function, numbers) for function in program.samples]
         self._corrections = [_Code(program, function, numbers) for function in program.corrections]
+        self._guards = None if program.guards is None else _Code(program, program.guards, numbers)
+        self._jumps = None if program.jumps is None else _Code(program, program.jumps, numbers)
         self._momenta: IntArray = np.array(program.layout.momenta, dtype=np.int64)
         count = program.layout.lengths.get(Array.STATE, 0)
         self._others: IntArray = np.setdiff1d(np.arange(count), self._momenta)
@@ -228,6 +233,40 @@ class InterpretedMachine:
     def sample(self, memory: Memory) -> None:
         """Apply all controllers once, by rate, without counting a sample."""
         self._evaluated(memory, self._samples)
+
+    def guards(self, memory: Memory) -> FloatArray:
+        """The GUARD array at the memory's time; the memory is not changed."""
+        codes = [] if self._guards is None else [self._guards]
+        return self._evaluated(memory.copy(), codes).arrays[Array.GUARD]
+
+    def jumps(self, memory: Memory) -> FloatArray:
+        """The JUMP array at the memory's time; the memory is not changed."""
+        codes = [] if self._jumps is None else [self._jumps]
+        return self._evaluated(memory.copy(), codes).arrays[Array.JUMP]
+
+    def advance(self, memory: Memory, step: float) -> None:
+        """Take one step of this length whatever the guards say."""
+        if self._guards is None:
+            raise ValueError("only a program with events is advanced by single steps")
+        check_memory(self._program, self._lanes, memory)
+        memory.alive[:] = True
+        run = _Run(self._program, self._lanes, memory)
+        try:
+            with np.errstate(all="ignore"):
+                self.step(run, memory.time, step)
+        except _AllFailed:
+            raise not_converged(self._program, run.failures[0]) from None
+        memory.time += step
+
+    def meets_event(self, run: _Run, time: float) -> bool:
+        """Whether a guard has become positive since the guards were last kept; otherwise these are kept."""
+        if self._guards is None:
+            return False
+        self.evaluate(run, self._guards, time)
+        if has_risen(run.memory.guard, run.arrays[Array.GUARD]).any():
+            return True
+        run.memory.guard[:] = run.arrays[Array.GUARD]
+        return False
 
     def _evaluated(self, memory: Memory, codes: Sequence[_Code]) -> _Run:
         check_memory(self._program, self._lanes, memory)
@@ -307,6 +346,7 @@ class _Loop:
         self._integrals: list[FloatArray] = []
         self._activities: list[FloatArray] = []
         self._near = request.step * SAME_INSTANT
+        self._event_step = 0.0
         memory.rows_taken = count_from(memory, request, memory.rows_taken, request.row_period)
         memory.integral_rows_taken = count_from(memory, request, memory.integral_rows_taken, request.integral_period)
         if machine.lanes == 1:
@@ -325,7 +365,8 @@ class _Loop:
                 if ticks == 0:
                     return self._outcome(Status.PAUSED)
                 ticks -= 1
-                self._do_steps()
+                if not self._do_steps():
+                    return self._outcome(Status.EVENT)
                 self._check()
         except _AllFailed:
             return self._outcome(None)
@@ -366,7 +407,8 @@ class _Loop:
             self._activities.append(memory.activity.copy())
             memory.integral_rows_taken += 1
 
-    def _do_steps(self) -> None:
+    def _do_steps(self) -> bool:
+        """Steps to the next instant; False where a step that would meet an event was taken back."""
         memory, request = self._memory, self._request
         start = memory.time
         dues = [request.until, self._row_due(), self._integral_due()]
@@ -375,12 +417,24 @@ class _Loop:
         h = (end - start) / count
         for i in range(count):
             memory.time = start + i * h
+            before = None if self._machine.program.guards is None else memory.copy()
             self._machine.step(self._run, memory.time, h)
+            if before is not None and self._machine.meets_event(self._run, memory.time + h):
+                for kept, values in (
+                    (before.state, memory.state),
+                    (before.unknown, memory.unknown),
+                    (before.integral, memory.integral),
+                    (before.activity, memory.activity),
+                ):
+                    values[...] = kept
+                self._event_step = h
+                return False
             memory.steps_taken += 1
             if (i + 1) % STEPS_BETWEEN_CHECKS == 0 and len(state_failures(memory)) == memory.alive.sum():
                 memory.time = start + (i + 1) * h
                 self._check()
         memory.time = end
+        return True
 
     def _check(self) -> None:
         for failure in state_failures(self._memory):
@@ -407,4 +461,5 @@ class _Loop:
             integrals=stacked(self._integrals, shape),
             activities=stacked(self._activities, shape),
             failures=tuple(failures),
+            step=self._event_step if status is Status.EVENT else 0.0,
         )

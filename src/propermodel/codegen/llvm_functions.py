@@ -61,7 +61,7 @@ class Writer:
     def write_program(self) -> None:
         """Write `prepare`, `refresh`, and the functions of the program (`sample.<k>`, `correct.<k>`)."""
         program = self.program
-        continuous = (program.rates, program.displacement_rates, program.observe, *program.corrections)
+        continuous = program.continuous
         levels = node_levels(continuous, program.layout)
         nodes = frontier(continuous, levels)
         for level, name in ((Level.RUN, "prepare"), (Level.SAMPLE, "refresh")):
@@ -70,6 +70,10 @@ class Writer:
         self._write_function("rates", program.rates, rows)
         self._write_function("displacement_rates", program.displacement_rates, rows)
         self._write_function("observe", program.observe, rows, is_rare=True)
+        if program.guards is not None:
+            self._write_function("guards", program.guards, rows)
+        if program.jumps is not None:
+            self._write_function("jumps", program.jumps, rows, is_rare=True)
         for k, function in enumerate(program.samples):
             self._write_function(f"sample.{k}", function, self.kept[Level.RUN])
         for k, function in enumerate(program.corrections):

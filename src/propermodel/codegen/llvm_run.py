@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+from propermodel.codegen.llvm_events import compare_lines, event_lines, keep_lines
 from propermodel.codegen.llvm_step import has_solve
 from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Frame, Module, literal
 from propermodel.codegen.machine import SAME_INSTANT, STEPS_BETWEEN_CHECKS
@@ -44,6 +45,7 @@ class Code(IntEnum):
     PAUSED = 1
     STATE_FAILED = 2  # in some lane that is alive
     ALL_FAILED = 3  # no lane is alive after a solve
+    EVENT = 4  # the step that would meet an event was taken back
 
 
 def write_entries(module: Module, program: Program) -> None:
@@ -256,9 +258,11 @@ def write_run(module: Module, program: Program) -> None:
         "  %i.number = sitofp i64 %i to double",
         "  %i.away = fmul double %i.number, %h",
         "  %ti = fadd double %t, %i.away",
+        *(keep_lines() if program.guards is not None else ()),
         "  %is.well = call i1 @step(ptr %w, ptr %tables, double %ti, double %h)",
         "  br i1 %is.well, label %stepped, label %step.failed",
         "stepped:",
+        *(compare_lines() if program.guards is not None else ()),
         "  %i.next = add nuw nsw i64 %i, 1",
         f"  %i.rest = and i64 %i.next, {STEPS_BETWEEN_CHECKS - 1}",
         "  %is.glance = icmp eq i64 %i.rest, 0",
@@ -290,6 +294,7 @@ def write_run(module: Module, program: Program) -> None:
         "  store i64 %f.steps, ptr %steps.taken.at, align 8",
         "  store double %ti, ptr %time.at, align 8",
         "  br label %all.failed",
+        *(event_lines(frame, int(Code.EVENT)) if program.guards is not None else ()),
         "finished:",
         f"  ret i32 {int(Code.FINISHED)}",
         "paused:",

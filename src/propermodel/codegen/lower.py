@@ -66,6 +66,7 @@ class Lowered:
     parameters: tuple[Path, ...]
     held: tuple[Expr, ...]
     tables: tuple[Path, ...]
+    targets: tuple[tuple[Slot, ...], ...] = ()  # of each event: what it changes, in the order of JUMP
 
 
 def lower(system: EquationSystem) -> Lowered:
@@ -80,16 +81,20 @@ def lower(system: EquationSystem) -> Lowered:
     corrections = corrections_of(system)
     roots += [value for c in corrections for _, value in c.updates]
     roots += [r for c in corrections for r in (*c.residuals, *(e for row in c.jacobian for e in row))]
+    guards = [event.guard for event in system.events]
+    jumps = [value for event in system.events for _, value in event.changes]
+    roots += [*guards, *jumps]
     outside = _time_outside([state.derivative for state in system.states], system)
     powers = (*powers, *outside)
     roots += [e.value for e in outside]
     periods = [controller.period for controller in graph.controllers]
     used = leaves(*roots, *periods)
-    held = tuple(h for c in graph.controllers for h, _ in c.starts)
+    held = tuple(h for h, _ in graph.held)
     parameters = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.PARAMETER)
     tables = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.TABLE)
     unknowns = tuple(u for b in (*system.blocks, *corrections) for u in b.unknowns)
-    layout = _layout(system, parameters, held, tables, unknowns, len(powers), len(signals))
+    counts = {Array.POWER: len(powers), Array.SIGNAL: len(signals), Array.GUARD: len(guards), Array.JUMP: len(jumps)}
+    layout = _layout(system, parameters, held, tables, unknowns, counts)
     rates = [Assign(Slot(Array.RATE, i), s.derivative) for i, s in enumerate(system.states)]
     displacement_rates = [
         Assign(Slot(Array.RATE, i), s.derivative)
@@ -104,6 +109,8 @@ def lower(system: EquationSystem) -> Lowered:
         periods=tuple(layout.slots[c.period].index for c in _in_run_order(system)),
         layout=layout,
         corrections=tuple(_correction(k, correction, layout) for k, correction in enumerate(corrections)),
+        guards=_function("guards", system, _assignments(Array.GUARD, guards)) if guards else None,
+        jumps=_function("jumps", system, _assignments(Array.JUMP, jumps)) if guards else None,
     )
     return Lowered(
         program=program,
@@ -113,6 +120,7 @@ def lower(system: EquationSystem) -> Lowered:
         parameters=tuple(leaf.data.path for leaf in parameters),
         held=held,
         tables=tuple(leaf.data.path for leaf in tables),
+        targets=tuple(tuple(layout.slots[target] for target, _ in event.changes) for event in system.events),
     )
 
 
@@ -242,9 +250,8 @@ def _signals(system: EquationSystem) -> tuple[dict[Path, Observable], list[Expr]
     states = {s.symbol for s in system.states}
     for state in system.states:
         offer(state.path, state.symbol, state.unit)
-    for controller in system.causal.graph.controllers:
-        for held, _ in controller.starts:
-            offer(held.data.path, held, held.data.unit)
+    for held, _ in system.causal.graph.held:
+        offer(held.data.path, held, held.data.unit)
     for stored in system.energies:
         offer(stored.element / "energy", stored.energy, "J")
     for leaf, value in system.values.items():
@@ -266,8 +273,7 @@ def _layout(
     held: tuple[Expr, ...],
     tables: tuple[Expr, ...],
     unknowns: tuple[Expr, ...],
-    power_count: int,
-    signal_count: int,
+    counts: Mapping[Array, int],
 ) -> Layout:
     slots: dict[Expr, Slot] = {TIME: Slot(Array.TIME, 0)}
     slots.update({s.symbol: Slot(Array.STATE, i) for i, s in enumerate(system.states)})
@@ -285,8 +291,7 @@ def _layout(
             Array.DISCRETE: len(held),
             Array.PARAMETER: len(parameters),
             Array.UNKNOWN: len(unknowns),
-            Array.POWER: power_count,
-            Array.SIGNAL: signal_count,
+            **counts,
         },
         tables=tuple(_table_slot(graph, t.data.path) for t in tables),
         table_index={t: i for i, t in enumerate(tables)},

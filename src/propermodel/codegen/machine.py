@@ -4,6 +4,9 @@ Time is divided into ticks. A tick ends at the next due instant among: the next 
 row, the next integral row, and the end of the request. Instants are `origin + k * period` with whole k, so no error
 accumulates; instants closer than a billionth of a step are one. At an instant, in this order: the controllers that are
 due, by rate; the rows that are due; then equal steps to the next instant; then the check of every state.
+
+A program with events is run in one lane. After every step its guards are compared with those before; where one has
+become positive, the step is taken back and the run returns, so that the caller finds the instant.
 """
 
 from __future__ import annotations
@@ -55,6 +58,7 @@ class Status(StrEnum):
     NOT_FINITE = "not-finite"
     OUT_OF_RANGE = "out-of-range"
     NOT_CONVERGED = "not-converged"
+    EVENT = "event"  # the next step, of the length that is told, would make a guard positive; it has not been taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +94,7 @@ class Memory:
     discrete: FloatArray
     parameter: FloatArray
     unknown: FloatArray
+    guard: FloatArray  # of each event when it was last looked at; negative at the origin, as if nothing held before
     integral: FloatArray  # of each POWER entry, since the origin
     activity: FloatArray  # of its absolute value
     lower: FloatArray  # limits of every state
@@ -136,6 +141,7 @@ def start_memory(
         discrete=filled(Array.DISCRETE),
         parameter=filled(Array.PARAMETER),
         unknown=filled(Array.UNKNOWN),
+        guard=filled(Array.GUARD) - 1.0,
         integral=power,
         activity=power.copy(),
         lower=np.full_like(state, -math.inf),
@@ -193,6 +199,7 @@ class Outcome:
     integrals: FloatArray
     activities: FloatArray
     failures: tuple[Failure, ...] = ()
+    step: float = 0.0  # the length of the step in which an event lies, s
 
 
 class Machine(Protocol):
@@ -229,6 +236,22 @@ class Machine(Protocol):
         """Apply all controllers once, by rate, without counting a sample."""
         ...
 
+    def guards(self, memory: Memory) -> FloatArray:
+        """The GUARD array at the memory's time; the memory is not changed."""
+        ...
+
+    def jumps(self, memory: Memory) -> FloatArray:
+        """The JUMP array at the memory's time; the memory is not changed."""
+        ...
+
+    def advance(self, memory: Memory, step: float) -> None:
+        """Take one step of this length whatever the guards say.
+
+        Raises:
+            SimulationError: an implicit block has no solution.
+        """
+        ...
+
 
 def sample_periods(program: Program, memory: Memory) -> list[float]:
     """The period of each rate, from the parameters.
@@ -261,6 +284,7 @@ def check_memory(program: Program, lanes: int, memory: Memory) -> None:
         "discrete": Array.DISCRETE,
         "parameter": Array.PARAMETER,
         "unknown": Array.UNKNOWN,
+        "guard": Array.GUARD,
         "integral": Array.POWER,
         "activity": Array.POWER,
     }
@@ -311,6 +335,11 @@ def count_from(memory: Memory, request: Request, count: int, period: float) -> i
         return max(count, 1 if memory.time > memory.origin + SAME_INSTANT * request.step else 0)
     passed = (memory.time - SAME_INSTANT * request.step - memory.origin) / period
     return max(count, math.ceil(passed)) if passed > 0.0 else count
+
+
+def has_risen(before: FloatArray, after: FloatArray) -> BoolArray:
+    """The guards that have become positive."""
+    return (after > 0.0) & ~(before > 0.0)
 
 
 def state_failures(memory: Memory) -> list[Failure]:

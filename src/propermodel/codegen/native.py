@@ -7,6 +7,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS
 from propermodel.codegen.llvm_run import Code
 from propermodel.codegen.machine import (
@@ -34,7 +36,7 @@ _compile_lock = threading.Lock()
 class _Library:
     """Compiled code and its entry points; the code lives as long as this object."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, has_events: bool) -> None:
         # llvmlite is slow to import and not needed by those who only interpret.
         import llvmlite.binding as llvm
 
@@ -62,10 +64,17 @@ class _Library:
         self.rates = self._function("evaluate.rates", ctypes.c_double)
         self.observe = self._function("evaluate.observe", ctypes.c_double)
         self.sample = self._function("evaluate.sample", ctypes.c_double)
+        if has_events:
+            self.guards = self._function("evaluate.guards", ctypes.c_double)
+            self.jumps = self._function("evaluate.jumps", ctypes.c_double)
+            self.advance = self._function("advance", ctypes.c_double, ctypes.c_double)
 
-    def _function(self, name: str, last: Any) -> Callable[..., int]:
-        prototype = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, last)
+    def _function(self, name: str, *last: Any) -> Callable[..., int]:
+        prototype = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *last)
         return prototype(self._engine.get_function_address(name))
+
+
+_STATUS = {Code.FINISHED: Status.FINISHED, Code.PAUSED: Status.PAUSED, Code.EVENT: Status.EVENT}
 
 
 class NativeMachine:
@@ -78,7 +87,7 @@ class NativeMachine:
         self._method = method
         self._lanes = lanes
         self._source = print_program(program, method, lanes, most_instructions)
-        self._library = _Library(self._source.text)
+        self._library = _Library(self._source.text, program.guards is not None)
         self._tables: ReadyTables | None = None
 
     @property
@@ -114,10 +123,10 @@ class NativeMachine:
             for failure in failures:
                 memory.alive[failure.lane] = False
             work.read_alive()
-            if code in (Code.FINISHED, Code.PAUSED) or not memory.alive.any():
+            if code in _STATUS or not memory.alive.any():
                 break
-        status = {Code.FINISHED: Status.FINISHED, Code.PAUSED: Status.PAUSED}.get(code)
-        return control.outcome(memory, status, failures)
+        step = work.event_step() if code is Code.EVENT else 0.0
+        return control.outcome(memory, _STATUS.get(code), failures, step)
 
     def rates(self, memory: Memory) -> tuple[FloatArray, FloatArray]:
         """The RATE and POWER arrays at the memory's time; the memory is not changed."""
@@ -131,6 +140,31 @@ class NativeMachine:
     def sample(self, memory: Memory) -> None:
         """Apply all controllers once, by rate, without counting a sample."""
         self._evaluated(memory, self._library.sample).write_back()
+
+    def guards(self, memory: Memory) -> FloatArray:
+        """The GUARD array at the memory's time; the memory is not changed."""
+        if self._program.guards is None:
+            return np.zeros(0)
+        return self._evaluated(memory, self._library.guards).get(Array.GUARD)
+
+    def jumps(self, memory: Memory) -> FloatArray:
+        """The JUMP array at the memory's time; the memory is not changed."""
+        if self._program.jumps is None:
+            return np.zeros(0)
+        return self._evaluated(memory, self._library.jumps).get(Array.JUMP)
+
+    def advance(self, memory: Memory, step: float) -> None:
+        """Take one step of this length whatever the guards say."""
+        if self._program.guards is None:
+            raise ValueError("only a program with events is advanced by single steps")
+        work = self._work(memory)
+        memory.alive[:] = True
+        self._library.advance(work.address, work.tables_address, memory.time, step)
+        work.write_back()
+        failures = work.solve_failures()
+        if failures:
+            raise not_converged(self._program, failures[0])
+        memory.time += step
 
     def _work(self, memory: Memory) -> Work:
         check_memory(self._program, self._lanes, memory)

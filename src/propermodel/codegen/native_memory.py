@@ -66,6 +66,9 @@ class Work:
             rows = self._rows(values)
             limited = rows if region is Array.STATE else np.clip(rows, -_LARGEST, _LARGEST)
             block[regions[region] + self._state_rows] = limited
+        if memory.guard.size:
+            before = regions["guard.before"]
+            block[before : before + memory.guard.size] = self._rows(memory.guard)
         self.read_alive()
 
     def _rows(self, values: FloatArray) -> FloatArray:
@@ -101,6 +104,13 @@ class Work:
             rows = self._rows(values)
             rows[...] = block[regions[region] : regions[region] + len(rows)]
         self._rows(memory.state)[...] = block[regions[Array.STATE] + self._state_rows]
+        if memory.guard.size:
+            before = regions["guard.before"]
+            self._rows(memory.guard)[...] = block[before : before + memory.guard.size]
+
+    def event_step(self) -> float:
+        """The length of the step in which an event lies."""
+        return float(self._block[self._frame.regions["event.step"], 0])
 
     def solve_failures(self) -> list[Failure]:
         """The solves that have failed since the last call, at most one in each lane."""
@@ -195,7 +205,7 @@ class Control:
         memory.steps_taken = int(words[Word.STEPS_TAKEN])
         memory.samples_taken[:] = words[Word.FIRST_RATE + 1 :: 2]
 
-    def outcome(self, memory: Memory, status: Status | None, failures: list[Failure]) -> Outcome:
+    def outcome(self, memory: Memory, status: Status | None, failures: list[Failure], step: float) -> Outcome:
         """The answer, with the rows recorded; without a status the first failure gives it."""
         rows, integrals = int(self._words[Word.ROWS_WRITTEN]), int(self._words[Word.INTEGRAL_ROWS_WRITTEN])
 
@@ -213,4 +223,5 @@ class Control:
             integrals=shaped(self._integrals, integrals),
             activities=shaped(self._activities, integrals),
             failures=tuple(failures),
+            step=step,
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from propermodel.codegen.llvm_events import reserve_events, write_events
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS, Writer
 from propermodel.codegen.llvm_newton import LARGEST_STRAIGHT
 from propermodel.codegen.llvm_run import write_entries, write_run
@@ -51,6 +52,8 @@ def print_program(
     write_common(module, count)
     StepWriter(module, program, method, momentum_rows, count).write()
     write_entries(module, program)
+    if program.guards is not None:
+        write_events(module, program, count)
     write_run(module, program)
     text = module.text() + "\n" + TABLE_FUNCTIONS
     return Source(text, frame, np.array([state_rows[i] for i in range(len(state_rows))], dtype=np.int64))
@@ -70,6 +73,8 @@ def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) ->
     frame.reserve("kept_unknown", program.layout.lengths.get(Array.UNKNOWN, 0))
     frame.reserve("integral", program.layout.lengths.get(Array.POWER, 0))
     frame.reserve("activity", program.layout.lengths.get(Array.POWER, 0))
+    if program.guards is not None:
+        reserve_events(frame, program, state_rows)
     frame.reserve("trial", size)
     frame.reserve("residual", size)
     frame.reserve("jacobian", size * size)

@@ -24,6 +24,8 @@ class Array(StrEnum):
     UNKNOWN = "unknown"  # solutions of the implicit blocks, kept as the next start
     POWER = "power"  # what is integrated in time, with and without its sign: bond powers and row powers
     SIGNAL = "signal"  # what can be recorded
+    GUARD = "guard"  # of each event: positive where its condition holds
+    JUMP = "jump"  # what events make of states and held values
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +114,8 @@ class Program:
     `rates` computes RATE and POWER (and UNKNOWN by its solves); `displacement_rates` computes the RATE of the
     displacements only; `observe` computes SIGNAL; `samples[k]` computes the DISCRETE entries of sampled controllers
     of rate k, due every `periods[k]` (an index into PARAMETER). `corrections` compute entries of STATE after every
-    step, one after the other.
+    step, one after the other. A program with events has `guards`, which computes GUARD, and `jumps`, which computes
+    JUMP.
     """
 
     rates: Function
@@ -122,8 +125,18 @@ class Program:
     periods: tuple[int, ...]
     layout: Layout
     corrections: tuple[Function, ...] = ()
+    guards: Function | None = None
+    jumps: Function | None = None
+
+    @property
+    def continuous(self) -> tuple[Function, ...]:
+        """The functions that read what is kept between samples: all but the samples."""
+        optional = (self.guards, self.jumps)
+        events = (function for function in optional if function is not None)
+        return (self.rates, self.displacement_rates, self.observe, *self.corrections, *events)
 
     @property
     def functions(self) -> tuple[Function, ...]:
         """Every function."""
-        return (self.rates, self.displacement_rates, self.observe, *self.samples, *self.corrections)
+        first = (self.rates, self.displacement_rates, self.observe, *self.samples, *self.corrections)
+        return (*first, *(function for function in (self.guards, self.jumps) if function is not None))

@@ -53,6 +53,8 @@ def with_reciprocals(program: Program) -> Program:
         observe=of(program.observe),
         samples=tuple(of(function) for function in program.samples),
         corrections=tuple(of(function) for function in program.corrections),
+        guards=None if program.guards is None else of(program.guards),
+        jumps=None if program.jumps is None else of(program.jumps),
     )
 
 

@@ -10,6 +10,7 @@ from propermodel.diagnostics import Diagnostic, Involved, Path, Source, Structur
 from propermodel.equations.closures import closures_of, positions_of
 from propermodel.equations.condense import condense
 from propermodel.equations.definitions import Definitions, Variables, define, dependent_ports
+from propermodel.equations.events import SystemEvent, system_events
 from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution, strong_components
 from propermodel.equations.rows import rows_of
@@ -69,7 +70,10 @@ def formulate(causal: CausalGraph) -> EquationSystem:
     solved, blocks, solution = _solve_blocks(unknowns)
     finish = Substitution(solution)
     values = {target: finish(value) for target, value in resolution.values.items()}
-    _check_defined(causal, states, values)
+    events = system_events(
+        causal.graph.events, [s.symbol for s in states], lambda expr: finish(resolution.complete(expr))
+    )
+    _check_defined(causal, states, values, events)
     updates = tuple(
         (c.path, tuple((held, finish(resolution.complete(value))) for held, value in c.updates))
         for c in in_sequence(causal.graph)
@@ -98,6 +102,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
         energies=_energies(causal, resolution, finish),
         rows=rows_of(causal),
         updates=updates,
+        events=events,
     )
 
 
@@ -373,13 +378,17 @@ def _energies(causal: CausalGraph, resolution: Resolution, finish: Substitution)
     )
 
 
-def _check_defined(causal: CausalGraph, states: list[StateVariable], values: dict[Expr, Expr]) -> None:
+def _check_defined(
+    causal: CausalGraph, states: list[StateVariable], values: dict[Expr, Expr], events: tuple[SystemEvent, ...]
+) -> None:
     """Everything that derivatives, laws and signals mention exists."""
     free = {SymbolKind.TIME, SymbolKind.PARAMETER, SymbolKind.TABLE, SymbolKind.STATE, SymbolKind.DISCRETE}
     free.add(SymbolKind.UNKNOWN)
     known = {state.symbol for state in states}
     missing: dict[Expr, str] = {}
-    for owner, expr in [*((str(s.path), s.derivative) for s in states), *_signal_values(causal, values)]:
+    needs = [*((str(s.path), s.derivative) for s in states), *_signal_values(causal, values)]
+    needs += [(str(e.element), expr) for e in events for expr in (e.guard, *(value for _, value in e.changes))]
+    for owner, expr in needs:
         for leaf in leaves(expr):
             kind = leaf.data.kind
             if kind not in free or (kind is SymbolKind.STATE and leaf not in known):

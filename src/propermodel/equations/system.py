@@ -8,6 +8,7 @@ from enum import StrEnum
 
 from propermodel.causality.causal import CausalGraph
 from propermodel.diagnostics import NO_SOURCE, Path, Source
+from propermodel.equations.events import SystemEvent
 from propermodel.equations.printing import equations_text
 from propermodel.expressions.core import Expr
 
@@ -134,6 +135,7 @@ class EquationSystem:
     energies: tuple[Stored, ...]
     rows: tuple[Row, ...]
     updates: tuple[tuple[Path, tuple[tuple[Expr, Expr], ...]], ...]  # controller: held value, new value
+    events: tuple[SystemEvent, ...] = ()
 
     def __str__(self) -> str:
         return equations_text(self)

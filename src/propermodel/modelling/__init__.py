@@ -35,6 +35,7 @@ from propermodel.modelling.elements import (
     Transformer,
     ZeroJunction,
 )
+from propermodel.modelling.events import when
 from propermodel.modelling.kinematics import KinematicTransformer
 from propermodel.modelling.model import (
     ConstantEffort,
@@ -109,4 +110,5 @@ __all__ = [
     "replace",
     "table",
     "table_values",
+    "when",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from types import NoneType
 
 from propermodel.diagnostics import Diagnostic, Path, Source, nearest
 from propermodel.expressions.core import Expr, SymbolKind, leaves, postorder
@@ -94,6 +95,7 @@ class _Check:
         for part in d.parts:
             self.values(part)
         self.behaviour(d.behaviour)
+        self.events()
         for connection in d.connections:
             self.connection(connection)
         return self.found
@@ -177,7 +179,8 @@ class _Check:
                 states = behaviour.states if isinstance(behaviour, Block) else coordinates
                 known = {c.name: c.unit for c in states}
             case SymbolKind.DISCRETE:
-                known = {n: unit for n, unit, _ in (behaviour.starts if isinstance(behaviour, Sampled) else ())}
+                starts = behaviour.starts if isinstance(behaviour, Sampled) else ()
+                known = {n: unit for n, unit, _ in (*starts, *owner.discretes)}
             case _:
                 known = {}
         return {known[path.name]} if path.name in known else set()
@@ -297,6 +300,29 @@ class _Check:
             values.extend((name, start) for name, _, start in behaviour.starts)
         for name, value in values:
             self.expr(value, f"the value of '{name}'")
+
+    def events(self) -> None:
+        """Events belong to elements and blocks, and change what is their own."""
+        d = self.definition
+        if (d.events or d.discretes) and isinstance(d.behaviour, (Sampled, JunctionKind, NoneType)):
+            self.fault("only an element or a signal block has events and discrete values of its own")
+        names = [name for name, _, _ in d.discretes]
+        self.names(names, dict.fromkeys(names), "the discrete values")
+        for name, _, start in d.discretes:
+            self.expr(start, f"the start of '{name}'", only_parameters=True)
+        for number, event in enumerate(d.events, 1):
+            self.expr(event.condition, f"the condition of event {number}", condition=True)
+            for target, value in event.changes:
+                self.expr(value, f"a value of event {number}")
+                kind = None if target.args else getattr(target.data, "kind", None)
+                if kind not in (SymbolKind.STATE, SymbolKind.DISCRETE) or len(target.data.path) != 1:
+                    self.fault(
+                        f"event {number} changes what is no state or discrete value of its own", source=event.source
+                    )
+                else:
+                    self.expr(target, f"event {number}")
+            if not event.changes:
+                self.fault(f"event {number} changes nothing", source=event.source)
 
     def connection(self, connection: Node | HalfArrow | SignalLink | OpenPort) -> None:
         """A connection names ports of the definition and of its direct parts."""

@@ -16,6 +16,7 @@ from propermodel.modelling.components import Component, Parameter, Port, Repeate
 from propermodel.modelling.connections import Bonded, Driven, Joined, Open, Wiring
 from propermodel.modelling.domains import DomainData
 from propermodel.modelling.elements import Junction
+from propermodel.modelling.events import discretes_of, events_of
 from propermodel.modelling.kinematics import Expansion, KinematicTransformer, expand
 from propermodel.modelling.model import (
     Connection,
@@ -111,6 +112,8 @@ class _Elaboration:
                 if isinstance(s, (Input, Output))
             ),
             behaviour=trace(cls, tracing),
+            discretes=discretes_of(tracer),
+            events=events_of(tracer),
             parts=(*inside.parts, *self.parts(cls, component, tracer)),
             connections=(*inside.connections, *self.connections(cls, tracer)),
             is_energy_group=cls.energy_group,

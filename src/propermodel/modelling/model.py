@@ -155,6 +155,15 @@ class Sampled:
     updates: tuple[tuple[str, Expr], ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """What happens at the instant at which a condition becomes true: states and discrete values that get new values."""
+
+    condition: Expr
+    changes: tuple[tuple[Expr, Expr], ...]  # the symbol of a state or discrete value, its value afterwards
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
 Behaviour = Resistive | Storage | PowerSource | TwoPort | JunctionKind | Block | Sampled | None
 
 
@@ -274,6 +283,8 @@ class Definition:
     tables: tuple[TableSpec, ...] = ()
     signals: tuple[SignalData, ...] = ()
     behaviour: Behaviour = None
+    discretes: tuple[tuple[str, str, Expr], ...] = ()  # name, unit and start of what events change and laws read
+    events: tuple[Event, ...] = ()
     parts: tuple[Part, ...] = ()
     connections: tuple[Connection, ...] = ()
     is_energy_group: bool = False  # its elements are one row of a ranking

@@ -37,7 +37,7 @@ class Output(SignalPort):
 
 
 class Discrete(SignalPort):
-    """A discrete state of a controller: changed once a period, held in between."""
+    """A value that is held: a controller changes it once a period, an element or signal block by its events."""
 
     __slots__ = ()
 

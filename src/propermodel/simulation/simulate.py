@@ -18,6 +18,7 @@ from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.equilibrium import equilibrium_start
+from propermodel.simulation.events import Events
 from propermodel.simulation.overflow import Overflow, first_overflow, overflow_at_end
 from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
@@ -80,6 +81,7 @@ def simulate(
 
     Returns:
         What was computed, also when the run was interrupted (Ctrl-C) or failed; `ending` says how it ended.
+        Rows stand at the recording instants, and on either side of every event.
 
     Raises:
         SimulationError: the scenario or an observable does not fit the model.
@@ -118,7 +120,9 @@ def simulate(
         most_ticks=200,
     )
     before = time.perf_counter()
-    outcome = _run(machine, memory, request, rows, progress, scenario)
+    earlier = () if continued_from is None else continued_from.events
+    events = Events(compiled, machine, step, rows.keep_signals, earlier)
+    outcome = _run(machine, memory, request, rows, progress, scenario, events)
     wall_s = time.perf_counter() - before
     return Trajectory(
         compiled=compiled,
@@ -134,8 +138,9 @@ def simulate(
         start_signals=start_signals,
         final_signals=_final_signals(machine, memory, outcome),
         memory=memory,
-        ending=_ending(compiled, outcome, memory, rows.overflow),
+        ending=outcome if isinstance(outcome, Ending) else _ending(compiled, outcome, memory, rows.overflow),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
+        events=events.records,
         notes=notes,
     )
 
@@ -151,7 +156,7 @@ def _begun(compiled: CompiledModel, scenario: Scenario, start: Literal["declared
 
 
 class _Rows:
-    """Room for what is recorded, allocated once."""
+    """Room for what is recorded; it grows only where events add rows."""
 
     def __init__(
         self,
@@ -162,6 +167,7 @@ class _Rows:
         integral_period: float,
         powers: int,
     ) -> None:
+        self._selected = selected
         span = scenario.stop - memory.time
         room, integral_room = int(span / row_period) + 3, int(span / integral_period) + 3
         self.times: FloatArray = np.empty(room)
@@ -173,9 +179,24 @@ class _Rows:
         self.integral_count = 0
         self.overflow: Overflow | None = None
 
+    def keep_signals(self, time: float, signals: FloatArray) -> None:
+        """Add a row at an instant of the run's own."""
+        self._make_room(1)
+        self.times[self.count] = time
+        self.values[self.count] = signals[self._selected]
+        self.count += 1
+
+    def _make_room(self, rows: int) -> None:
+        if self.count + rows > len(self.times):
+            room = 2 * (self.count + rows)
+            times, values = np.empty(room), np.empty((room, self.values.shape[1]))
+            times[: self.count], values[: self.count] = self.times[: self.count], self.values[: self.count]
+            self.times, self.values = times, values
+
     def keep(self, outcome: Outcome) -> None:
         """Take over what one call recorded."""
         n = len(outcome.row_times)
+        self._make_room(n)
         self.times[self.count : self.count + n] = outcome.row_times
         self.values[self.count : self.count + n] = outcome.rows
         self.count += n
@@ -196,10 +217,14 @@ def _run(
     rows: _Rows,
     progress: Callable[[Progress], None] | None,
     scenario: Scenario,
-) -> Outcome | None:
-    """Run to the end, returning often; None when the user interrupts."""
+    events: Events,
+) -> Outcome | Ending | None:
+    """Run to the end, returning often; None when the user interrupts, an ending where events have no end."""
     begin_wall = time.perf_counter()
     try:
+        ending = events.begin(memory)
+        if ending is not None:
+            return ending
         while True:
             before = time.perf_counter()
             outcome = machine.run(memory, request)
@@ -207,6 +232,11 @@ def _run(
             rows.keep(outcome)
             if progress is not None:
                 progress(Progress(memory.time, scenario.start, scenario.stop, time.perf_counter() - begin_wall))
+            if outcome.status is Status.EVENT and rows.overflow is None:
+                ending = events.happen(memory, outcome.step)
+                if ending is not None:
+                    return ending
+                continue
             if outcome.status is not Status.PAUSED or rows.overflow is not None:
                 return outcome
             factor = min(max(RETURN_EVERY_S / max(taken, 1e-6), 0.25), 4.0)
@@ -215,9 +245,14 @@ def _run(
         return None
 
 
-def _final_signals(machine: Machine, memory: Memory, outcome: Outcome | None) -> FloatArray:
+def _final_signals(machine: Machine, memory: Memory, outcome: Outcome | Ending | None) -> FloatArray:
     """All observables at the end; not a number where a failed run's last state has no solution."""
-    if outcome is None or outcome.status is not Status.NOT_CONVERGED:
+    is_unsolved = (
+        outcome.status is RunStatus.FAILED
+        if isinstance(outcome, Ending)
+        else outcome is not None and outcome.status is Status.NOT_CONVERGED
+    )
+    if not is_unsolved:
         return machine.observe(memory)
     return np.full(machine.program.layout.lengths[Array.SIGNAL], np.nan)
 
@@ -238,7 +273,7 @@ def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, ov
             path,
         )
     match outcome.status:
-        case Status.FINISHED | Status.PAUSED:
+        case Status.FINISHED | Status.PAUSED | Status.EVENT:
             return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
         case Status.NOT_FINITE:
             path = compiled.system.states[outcome.index].path

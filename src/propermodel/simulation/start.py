@@ -244,5 +244,5 @@ def _at_port(compiled: CompiledModel, path: Path, value: float, parameters: Valu
 
 
 def _held(compiled: CompiledModel, scenario: Scenario, parameters: Values) -> list[float]:
-    starts = {held: start for c in compiled.graph.controllers for held, start in c.starts}
+    starts = dict(compiled.graph.held)
     return [scenario.initial.get(held.data.path, interpret(starts[held], parameters)) for held in compiled.lowered.held]

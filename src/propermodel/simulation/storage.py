@@ -7,6 +7,7 @@ The file is an `.npz` archive, read without pickles: `header` (JSON in UTF-8), `
 from __future__ import annotations
 
 import json
+import math
 import os
 import zipfile
 from collections.abc import Container, Iterable, Mapping
@@ -26,7 +27,7 @@ from propermodel.modelling.documents import (
     to_scenario_document,
 )
 from propermodel.modelling.model import Model, Scenario
-from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
+from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus, Statistics, Trajectory, observable_path
 
 FORMAT = "propermodel-trajectory"
 VERSION = 1
@@ -48,6 +49,7 @@ class StoredTrajectory:
     integral_times: FloatArray
     ending: Ending
     statistics: Statistics
+    events: tuple[EventRecord, ...]
     _columns: FloatArray
     _entries: Mapping[Path, int]
     _integrals: FloatArray
@@ -125,6 +127,10 @@ def save_trajectory(
             "time_s": trajectory.ending.time,
             "path": list(trajectory.ending.path),
         },
+        "events": [
+            [event.time, list(event.element), _number(event.energy_before), _number(event.energy_after)]
+            for event in trajectory.events
+        ],
         "statistics": {
             "steps": trajectory.statistics.steps,
             "wall_s": trajectory.statistics.wall_s,
@@ -151,6 +157,11 @@ def save_trajectory(
             activities=trajectory.activities,
         )
     partial.replace(target)
+
+
+def _number(value: float) -> float | str:
+    """A number as JSON, also where a failed run has none."""
+    return value if math.isfinite(value) else str(value)
 
 
 def _columns_of(observables: Iterable[Expr | Path | str], known: Container[Path]) -> tuple[Path, ...]:
@@ -225,6 +236,10 @@ def _opened(header: dict[str, Any], arrays: Mapping[str, FloatArray]) -> StoredT
             _path(ending["path"]),
         ),
         statistics=Statistics(int(statistics["steps"]), float(statistics["wall_s"]), float(statistics["build_s"])),
+        events=tuple(
+            EventRecord(float(time), _path(path), float(before), float(after))
+            for time, path, before, after in header.get("events", [])
+        ),
         _columns=arrays["columns"],
         _entries={path: column for path, _, column in rows},
         _integrals=arrays["integrals"],

@@ -25,6 +25,7 @@ class RunStatus(StrEnum):
     COMPLETED = "completed"
     INTERRUPTED = "interrupted"
     FAILED = "failed"
+    CHATTERING = "chattering"  # the events of an element follow each other without end
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,21 @@ class Ending:
     def is_complete(self) -> bool:
         """Whether the run reached its stop time."""
         return self.status is RunStatus.COMPLETED
+
+
+@dataclass(frozen=True, slots=True)
+class EventRecord:
+    """An event that has happened: when, of which element, and the energy of all storage before and after it, J."""
+
+    time: float
+    element: Path
+    energy_before: float
+    energy_after: float
+
+    @property
+    def lost(self) -> float:
+        """The energy that left all storage, J."""
+        return self.energy_before - self.energy_after
 
 
 @dataclass(frozen=True)
@@ -82,6 +98,7 @@ class Trajectory:
     memory: Memory
     ending: Ending
     statistics: Statistics
+    events: tuple[EventRecord, ...] = ()  # since the origin of the run, in order
     notes: tuple[str, ...] = ()  # what must be said about the start
 
     def __getitem__(self, observable: Expr | Path | str) -> FloatArray:

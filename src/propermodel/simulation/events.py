@@ -1,0 +1,192 @@
+"""Events of a run: the instant is found inside the step, then states and held values jump, round by round.
+
+The run stops before a step at whose end a guard has become positive. Steps of other lengths from the same state bracket
+the first instant at which one has; there the changes are made. What they raise in turn happens at the same instant.
+Events that follow each other without end (a ball that comes to rest, a relay without hysteresis) end the run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from propermodel.codegen.lower import Lowered
+from propermodel.codegen.machine import FloatArray, Machine, Memory, has_risen
+from propermodel.codegen.program import Array
+from propermodel.compiler import CompiledModel
+from propermodel.diagnostics import Path, SimulationError
+from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus
+
+MOST_IN_ONE_STEP = 100  # events of one element within the length of one step
+MOST_ROUNDS = 100  # changes that raise each other at one instant
+SHARPNESS = 1e-12  # an instant is found to this share of a step, or to some units in the last place of the time
+_MOST_TRIALS = 100
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """The run after a step of some length, with its guards."""
+
+    length: float
+    memory: Memory
+    guards: FloatArray
+
+
+class Events:
+    """The events of one run as they happen; `keep_row` records all signals at an instant, before and after it."""
+
+    def __init__(
+        self,
+        compiled: CompiledModel,
+        machine: Machine,
+        step: float,
+        keep_row: Callable[[float, FloatArray], None],
+        earlier: tuple[EventRecord, ...] = (),
+    ) -> None:
+        self._compiled = compiled
+        self._machine = machine
+        self._step = step
+        self._keep_row = keep_row
+        self._earlier = earlier
+        self._happened: list[EventRecord] = []
+        self._recent: dict[Path, deque[float]] = {}
+        self._energies = _energy_entries(compiled.lowered, compiled)
+
+    @property
+    def records(self) -> tuple[EventRecord, ...]:
+        """Every event since the origin of the run."""
+        return (*self._earlier, *self._happened)
+
+    def begin(self, memory: Memory) -> Ending | None:
+        """Let happen what is true at the start."""
+        if not memory.guard.size:
+            return None
+        try:
+            guards = self._machine.guards(memory)
+            return self._change(memory, guards) if has_risen(memory.guard, guards).any() else None
+        except SimulationError as error:
+            return _unsolved(memory.time, error)
+
+    def happen(self, memory: Memory, step: float) -> Ending | None:
+        """Find the first event in a step, go there and make its changes; an ending where this has no end."""
+        try:
+            found = self._find(memory, step)
+            _move(found.memory, memory)
+            return self._change(memory, found.guards)
+        except SimulationError as error:
+            return _unsolved(memory.time, error)
+
+    # -- the instant -------------------------------------------------------------------------------
+
+    def _find(self, memory: Memory, step: float) -> _Trial:
+        """The run just after a guard has become positive."""
+        before = memory.guard
+        low = _Trial(0.0, memory, self._machine.guards(memory))
+        if has_risen(before, low.guards).any():
+            return replace(low, memory=memory.copy())
+        high = self._trial(memory, step)
+        sharpness = max(SHARPNESS * step, 4.0 * math.ulp(memory.time))
+        weights = [1.0, 1.0]  # of the guards at both ends
+        moves: list[bool] = []  # whether a trial moved the high end
+        for _ in range(_MOST_TRIALS):
+            width = high.length - low.length
+            if width <= sharpness:
+                break
+            is_slow = len(moves) >= 3 and len(set(moves[-3:])) == 1
+            share = 0.5 if is_slow else _share(before, low.guards, high.guards, weights)
+            # Near an end the root is not hit but enclosed.
+            margin = min(0.5 * sharpness / width, 0.5)
+            middle = self._trial(memory, low.length + width * min(max(share, margin), 1.0 - margin))
+            is_after = bool(has_risen(before, middle.guards).any())
+            low, high = (low, middle) if is_after else (middle, high)
+            # The Illinois rule: an end that stays counts less and less.
+            if moves and moves[-1] is is_after:
+                weights[0 if is_after else 1] *= 0.5
+            else:
+                weights = [1.0, 1.0]
+            moves.append(is_after)
+        return high
+
+    def _trial(self, memory: Memory, length: float) -> _Trial:
+        trial = memory.copy()
+        self._machine.advance(trial, length)
+        return _Trial(length, trial, self._machine.guards(trial))
+
+    # -- the changes -------------------------------------------------------------------------------
+
+    def _change(self, memory: Memory, guards: FloatArray) -> Ending | None:
+        """Make the changes of all guards that have become positive, and of those that these raise."""
+        signals = self._machine.observe(memory)
+        self._keep_row(memory.time, signals)
+        for _ in range(MOST_ROUNDS):
+            risen = np.flatnonzero(has_risen(memory.guard, guards))
+            memory.guard[:] = guards
+            if not risen.size:
+                self._keep_row(memory.time, signals)
+                return self._endless(memory.time)
+            values = self._machine.jumps(memory)
+            for number in risen:
+                before = self._energy(signals)
+                self._apply(memory, int(number), values)
+                signals = self._machine.observe(memory)
+                element = self._compiled.system.events[number].element
+                self._happened.append(EventRecord(memory.time, element, before, self._energy(signals)))
+                recent = self._recent.setdefault(element, deque(maxlen=MOST_IN_ONE_STEP))
+                recent.append(memory.time)
+            guards = self._machine.guards(memory)
+        self._keep_row(memory.time, signals)
+        count = Counter(record.element for record in self._happened if record.time == memory.time)
+        path = count.most_common(1)[0][0]
+        return _chattering(path, memory.time, f"{MOST_ROUNDS} times in a row, they make each other happen at once")
+
+    def _apply(self, memory: Memory, number: int, values: FloatArray) -> None:
+        targets = self._compiled.lowered.targets
+        first = sum(len(slots) for slots in targets[:number])
+        for k, slot in enumerate(targets[number]):
+            array = memory.state if slot.array is Array.STATE else memory.discrete
+            array[slot.index] = values[first + k]
+
+    def _energy(self, signals: FloatArray) -> float:
+        return float(signals[self._energies].sum())
+
+    def _endless(self, now: float) -> Ending | None:
+        """The ending of a run in which an element has too many events within one step."""
+        for path, times in self._recent.items():
+            if len(times) == MOST_IN_ONE_STEP and times[-1] == now and now - times[0] < self._step:
+                return _chattering(path, now, f"{MOST_IN_ONE_STEP} of them lie within one step of {self._step:g} s")
+        return None
+
+
+def _share(before: FloatArray, low: FloatArray, high: FloatArray, weights: list[float]) -> float:
+    """Where between two trials the first of the guards that have become positive is zero, if they were straight."""
+    shares = [
+        weights[0] * -float(low[i]) / (weights[0] * -float(low[i]) + weights[1] * float(high[i]))
+        for i in np.flatnonzero(has_risen(before, high))
+        if math.isfinite(low[i]) and math.isfinite(high[i]) and low[i] <= 0.0
+    ]
+    return min(shares, default=0.5)
+
+
+def _move(source: Memory, target: Memory) -> None:
+    """Bring the run in one memory to where it is in another."""
+    for name in ("state", "unknown", "integral", "activity"):
+        getattr(target, name)[...] = getattr(source, name)
+    target.steps_taken += 1 if source.time > target.time else 0
+    target.time = source.time
+
+
+def _energy_entries(lowered: Lowered, compiled: CompiledModel) -> list[int]:
+    return [lowered.observables[stored.element / "energy"].index for stored in compiled.system.energies]
+
+
+def _unsolved(time: float, error: SimulationError) -> Ending:
+    return Ending(RunStatus.FAILED, f"stopped at {time:.6g} s, at an event: {error.diagnostics[0].message}", time)
+
+
+def _chattering(path: Path, time: float, why: str) -> Ending:
+    message = f"stopped at {time:.6g} s: the events of {path} follow each other without end: {why}"
+    return Ending(RunStatus.CHATTERING, message, time, path)
