@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.faults import document_cases, linear_cases, model_cases, simulation_cases, structure_cases
+from tests.faults import document_cases, linear_cases, mechanism_cases, model_cases, simulation_cases, structure_cases
 from tests.faults.case import Case
 
 CASES = (
@@ -13,6 +13,7 @@ CASES = (
     *simulation_cases.CASES,
     *document_cases.CASES,
     *linear_cases.CASES,
+    *mechanism_cases.CASES,
 )
 
 

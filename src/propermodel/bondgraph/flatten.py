@@ -135,7 +135,10 @@ class _Flattening:
             for connection in definition.connections:
                 self.connect(connection, path, scope)
             self.check_ports(definition, path)
-            stack.extend((inner, path / inner.name, scope, group) for inner in reversed(definition.parts))
+            for inner in reversed(definition.parts):
+                # What a mechanism stands for is declared where the mechanism is.
+                placed = inner if inner.source.line else replace(inner, source=part.source)
+                stack.append((placed, path / inner.name, scope, group))
 
     def declare(self, part: Part, path: Path, parent_scope: Scope) -> Scope:
         """Declare parameters, tables, signals and ports of a part; gives the scope of its expressions."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -93,6 +94,7 @@ def lower(system: EquationSystem) -> Lowered:
     parameters = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.PARAMETER)
     tables = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.TABLE)
     unknowns = tuple(u for b in (*system.blocks, *corrections) for u in b.unknowns)
+    unknowns += tuple(rank_symbol(c) for c in corrections if c.rank is not None)
     counts = {Array.POWER: len(powers), Array.SIGNAL: len(signals), Array.GUARD: len(guards), Array.JUMP: len(jumps)}
     layout = _layout(system, parameters, held, tables, unknowns, counts)
     rates = [Assign(Slot(Array.RATE, i), s.derivative) for i, s in enumerate(system.states)]
@@ -168,7 +170,23 @@ def _mentions_unsolved(expr: Expr, owner: dict[Expr, ImplicitBlock], needed: set
 
 def _correction(number: int, correction: Correction, layout: Layout) -> Function:
     assigns = (Assign(layout.slots[state], value) for state, value in correction.updates)
-    return Function(f"correct_{number}", (_solve(correction), *assigns))
+    return Function(f"correct_{number}", (*_rank_checks(correction), _solve(correction), *assigns))
+
+
+def _rank_checks(correction: Correction) -> tuple[Solve, ...]:
+    """An equation without a finite solution where the constraints that are corrected depend on each other."""
+    if correction.rank is None:
+        return ()
+    unknown = rank_symbol(correction)
+    residual = unknown - where(correction.rank, ZERO, math.inf)
+    return (
+        Solve(unknowns=(unknown,), residuals=(residual,), jacobian=((ONE,),), scales=(1.0,), paths=correction.paths),
+    )
+
+
+def rank_symbol(correction: Correction) -> Expr:
+    """The unknown that is infinite where the constraints of a correction depend on each other."""
+    return symbol(SymbolKind.UNKNOWN, correction.paths[0] / "rank", "")
 
 
 def _solve(block: ImplicitBlock | Correction) -> Solve:

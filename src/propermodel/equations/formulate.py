@@ -310,7 +310,14 @@ def _solve_blocks(
             right = [-at_zero(residual) for residual in residuals]
             values = eliminate(matrix, right, list(paths))
             solution.update(zip(symbols, values, strict=True))
-            solved.append(SolvedBlock(unknowns=tuple(symbols), paths=paths, kinds=tuple(u.kind for u in members)))
+            solved.append(
+                SolvedBlock(
+                    unknowns=tuple(symbols),
+                    paths=paths,
+                    kinds=tuple(u.kind for u in members),
+                    matrix=tuple(tuple(row) for row in matrix),
+                )
+            )
         else:
             block, eliminated = _reduce_block(members, residuals, matrix)
             solution.update(eliminated)

@@ -57,11 +57,12 @@ class ImplicitBlock:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolvedBlock:
-    """Unknowns of a linear block, eliminated exactly."""
+    """Unknowns of a linear block, eliminated exactly; `matrix` is what multiplied them."""
 
     unknowns: tuple[Expr, ...]
     paths: tuple[Path, ...]
     kinds: tuple[BlockKind, ...]
+    matrix: tuple[tuple[Expr, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -107,12 +107,12 @@ class _Geometry:
                         "model/positions",
                         f"the position of '{name}' of {tracer.cls.__name__} {reason}",
                         source=tracer.place("positions"),
-                        help="give every output as a function of the displacements of the other ports",
+                        help="give every output in the displacements of the others: {self.piston.displacement: ...}",
                     )
                 )
         idle = [i for i in self.inputs if not any((i, o) in self.slopes for o in self.outputs)]
         wrong = [name for name in self.starts if name not in self.inputs]
-        if idle or wrong or not self.outputs:
+        if not tracer.faults.found and (idle or wrong or not self.outputs):
             reason = (
                 f"the input '{idle[0]}' moves no output"
                 if idle
@@ -194,7 +194,7 @@ class _Expanding:
         """A junction of its own."""
         title = "ZeroJunction" if kind is JunctionKind.ZERO else "OneJunction"
         definition = Definition(type_name=title, doc="", behaviour=kind, source=self.source)
-        self.parts.append(Part(name=name, definition=definition, source=self.source))
+        self.parts.append(Part(name=name, definition=definition))
 
     def motion(self) -> None:
         """The integrator of the inputs, which also gives the positions of the outputs and the slopes."""
@@ -231,7 +231,7 @@ class _Expanding:
         values = tuple(
             (data.name, symbol(SymbolKind.PARAMETER, Path((data.name,)), data.unit)) for data in self.parameters
         )
-        self.parts.append(Part(name=MOTION, definition=definition, values=values, source=self.source))
+        self.parts.append(Part(name=MOTION, definition=definition, values=values))
         for name, (flow, unit) in zip(geometry.inputs, flows, strict=True):
             value = symbol(SymbolKind.FLOW, Path((name, "flow")), unit)
             self.link(value, Path((MOTION, flow)))
@@ -262,7 +262,7 @@ class _Expanding:
             ),
             source=self.source,
         )
-        self.parts.append(Part(name=name, definition=definition, source=self.source))
+        self.parts.append(Part(name=name, definition=definition))
         self.link(symbol(SymbolKind.SIGNAL, Path((MOTION, slope_name(i, o))), per), Path((name, "slope")))
         self.link(symbol(SymbolKind.SIGNAL, Path((MOTION, o)), unit), Path((name, "position")))
         self.arrow(Path((f"with_{i}",)), Path((name, "a")))

@@ -16,7 +16,7 @@ from propermodel.codegen.machine import FloatArray
 from propermodel.diagnostics import Diagnostic, Involved, SimulationError
 from propermodel.equations.corrections import Correction, momentum_corrections
 from propermodel.equations.system import Closure, EquationSystem
-from propermodel.expressions.core import Expr, SymbolKind, leaves
+from propermodel.expressions.core import ONE, ZERO, Expr, SymbolKind, leaves, where
 from propermodel.expressions.derivatives import partial_derivatives
 from propermodel.simulation.evaluate import has_all
 from propermodel.simulation.merging import Starts, Values
@@ -55,7 +55,7 @@ def keep_loops_closed(system: EquationSystem, starts: Starts) -> tuple[Values, t
     """The momenta that change so that no kinematic loop opens, with notes and the energy that is lost.
 
     Raises:
-        SimulationError: no momenta keep the loops closed.
+        SimulationError: the loops depend on each other at this position, or no momenta keep them closed.
     """
     changed: Values = {}
     notes: list[str] = []
@@ -63,6 +63,8 @@ def keep_loops_closed(system: EquationSystem, starts: Starts) -> tuple[Values, t
         if not all(_is_explicit(residual, starts, correction.unknowns) for residual in correction.residuals):
             continue
         now = replace(starts, values={**starts.values, **changed})
+        if correction.rank is not None and not now.at([where(correction.rank, ONE, ZERO)], {})[0]:
+            raise _singular(system, correction)
         found, why = _kept(system, correction, now)
         moved = {state: value for state, value in found.items() if not _agree(value, now.values[state])}
         if moved:
@@ -180,6 +182,21 @@ def _kept(system: EquationSystem, correction: Correction, starts: Starts) -> tup
         )
     values = starts.at([value for _, value in correction.updates], at(x))
     return dict(zip(states, map(float, values), strict=True)), "and meet as in an impact"
+
+
+def _singular(system: EquationSystem, correction: Correction) -> SimulationError:
+    members = [c for c in system.closures if c.element in correction.paths]
+    return SimulationError(
+        [
+            Diagnostic(
+                "simulation/singular-mechanism",
+                "the mechanism starts in a singular position: its constraints depend on each other there",
+                source=members[0].source,
+                involved=tuple(Involved(str(c.element), "closes a kinematic loop", c.source) for c in members),
+                help="start away from a dead centre or bars in one line; take away a constraint that is stated twice",
+            )
+        ]
+    )
 
 
 def _following(system: EquationSystem, correction: Correction, starts: Starts, given: frozenset[Expr]) -> Values | None:

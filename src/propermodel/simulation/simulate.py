@@ -20,6 +20,7 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.events import Events
 from propermodel.simulation.overflow import Overflow, first_overflow, overflow_at_end
+from propermodel.simulation.singular import singular_reason
 from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
 
@@ -138,7 +139,7 @@ def simulate(
         start_signals=start_signals,
         final_signals=_final_signals(machine, memory, outcome),
         memory=memory,
-        ending=outcome if isinstance(outcome, Ending) else _ending(compiled, outcome, memory, rows.overflow),
+        ending=outcome if isinstance(outcome, Ending) else _ending(compiled, outcome, memory, rows),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
         events=events.records,
         notes=notes,
@@ -178,6 +179,7 @@ class _Rows:
         self.count = 0
         self.integral_count = 0
         self.overflow: Overflow | None = None
+        self.before = memory.copy()  # before the last call, whose numbers were finite
 
     def keep_signals(self, time: float, signals: FloatArray) -> None:
         """Add a row at an instant of the run's own."""
@@ -226,6 +228,7 @@ def _run(
         if ending is not None:
             return ending
         while True:
+            rows.before = memory.copy()
             before = time.perf_counter()
             outcome = machine.run(memory, request)
             taken = time.perf_counter() - before
@@ -257,8 +260,8 @@ def _final_signals(machine: Machine, memory: Memory, outcome: Outcome | Ending |
     return np.full(machine.program.layout.lengths[Array.SIGNAL], np.nan)
 
 
-def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, overflow: Overflow | None) -> Ending:
-    at = memory.time
+def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, rows: _Rows) -> Ending:
+    at, overflow = memory.time, rows.overflow
     if outcome is None:
         return Ending(RunStatus.INTERRUPTED, f"interrupted at {at:.6g} s; what was computed is kept", at)
     if overflow is None and outcome.status is Status.FINISHED:
@@ -277,9 +280,11 @@ def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, ov
             return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
         case Status.NOT_FINITE:
             path = compiled.system.states[outcome.index].path
+            why = singular_reason(compiled, rows.before)
             return Ending(
                 RunStatus.FAILED,
-                f"stopped at {outcome.time:.6g} s: the state {path} is no longer a finite number; try a smaller step",
+                f"stopped at {outcome.time:.6g} s: the state {path} is no longer a finite number; "
+                f"{why or 'try a smaller step'}",
                 outcome.time,
                 path,
             )
@@ -296,6 +301,15 @@ def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, ov
         case Status.NOT_CONVERGED:
             block = list(number_solves(compiled.lowered.program))[outcome.index]
             names = ", ".join(str(path) for path in dict.fromkeys(block.paths))
+            closing = [str(c.element) for c in compiled.system.closures if c.element in block.paths]
+            if closing and (len(closing) == len(block.paths) or block.unknowns[0].data.path.name == "rank"):
+                return Ending(
+                    RunStatus.FAILED,
+                    f"stopped at {outcome.time:.6g} s: the mechanism is in a singular position: {', '.join(closing)} "
+                    "do not hold it independently there (bars in one line, a dead centre, a constraint stated twice)",
+                    outcome.time,
+                    block.paths[0],
+                )
             return Ending(
                 RunStatus.FAILED,
                 f"stopped at {outcome.time:.6g} s: Newton's method found no solution for {names}",
