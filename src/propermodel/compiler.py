@@ -11,7 +11,7 @@ import gc
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import BondGraph
@@ -19,6 +19,7 @@ from propermodel.causality.completion import complete_causality
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
+from propermodel.equations.events import SystemEvent
 from propermodel.equations.formulate import formulate
 from propermodel.equations.state_selection import select_states
 from propermodel.equations.system import EquationSystem
@@ -35,6 +36,9 @@ class CompiledModel:
     backend: Backend
     compile_s: float
     _machines: dict[tuple[Method, int], Machine] = field(default_factory=dict[tuple[Method, int], Machine], repr=False)
+    _variants: dict[SystemEvent, CompiledModel] = field(
+        default_factory=dict["SystemEvent", "CompiledModel"], repr=False
+    )
 
     @property
     def graph(self) -> BondGraph:
@@ -48,6 +52,13 @@ class CompiledModel:
             with _collection_later():
                 self._machines[key] = build_machine(self.lowered.program, method, lanes, self.backend)
         return self._machines[key]
+
+    def with_event(self, event: SystemEvent) -> CompiledModel:
+        """The same with one more event, the last; what it mentions must have slots, so that memories still fit."""
+        if event not in self._variants:
+            system = replace(self.system, events=(*self.system.events, event))
+            self._variants[event] = CompiledModel(self.model, system, lower(system), self.backend, self.compile_s)
+        return self._variants[event]
 
     def __str__(self) -> str:
         return str(self.system)

@@ -50,6 +50,12 @@ class Quarter(Component):
     )
 
 
+class Wheel(Component):
+    """Something that is not in the quarter."""
+
+    wheel = Mass(mass=30.0)
+
+
 STEP = Scenario(name="step", stop=0.5, inputs={"road.flow": 0.1})  # pyright: ignore[reportArgumentType]
 
 
@@ -222,6 +228,12 @@ CASES = (
         run=lambda: simulate(quarter(), STEP, step=0.0),
         names=("0.0 s",),
         cure="step well below",
+    ),
+    Case(
+        code="simulation/until",
+        run=lambda: simulate(quarter(), STEP, until=Wheel().wheel.flange.flow > 1.0),
+        names=("wheel.flange.flow",),
+        cure="body.flange.flow",
     ),
     Case(
         code="simulation/unknown-parameter",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path as FilePath
 
@@ -30,14 +31,18 @@ from propermodel import (
     energy_balance,
     load_trajectory,
     parameter,
+    quantity,
     save_trajectory,
     simulate,
+    time,
     when,
     where,
 )
+from propermodel.diagnostics import parse_path
 from propermodel.modelling.documents import from_document, to_document
 from propermodel.simulation.trajectory import RunStatus
 from tests.event_parts import BouncingBall, Heated, SlowingMass, Winding
+from tests.parts import Damper, Fixed, Mass
 
 BACKENDS = pytest.mark.parametrize("backend", list(Backend))
 GRAVITY = 10.0  # m/s2
@@ -49,14 +54,11 @@ def compiled(component: Component, backend: Backend = Backend.NATIVE) -> Compile
     return compile_model(elaborate(component), backend=backend)
 
 
-def run(model: CompiledModel, stop: float, *, step: float = 1e-2, **options: object) -> Trajectory:
-    return simulate(
-        model,
-        Scenario(stop=stop, **options),
-        method=Method.RK4,
-        step=step,
-        record_every=0.05,  # pyright: ignore[reportArgumentType]
-    )
+def run(
+    model: CompiledModel, stop: float, *, step: float = 1e-2, initial: Mapping[str, float] | None = None
+) -> Trajectory:
+    start = {parse_path(name): value for name, value in (initial or {}).items()}
+    return simulate(model, Scenario(stop=stop, initial=start), method=Method.RK4, step=step, record_every=0.05)
 
 
 # -- a ball ---------------------------------------------------------------------------------------------
@@ -290,3 +292,70 @@ def test_the_events_of_a_run_are_in_its_file(tmp_path: FilePath):
     save_trajectory(answer, tmp_path / "ball.npz")
     assert load_trajectory(tmp_path / "ball.npz").events == answer.events
     assert answer.events
+
+
+# -- conditions that end a run ----------------------------------------------------------------------------
+
+
+class Coasting(Component):
+    """A mass that nothing slows."""
+
+    mass = Mass(mass=2.0)
+    damper = Damper(damping=0.0)
+    wall = Fixed()
+
+    connections = (connect(mass.flange, damper.a), connect(damper.b, wall.flange))
+
+
+@BACKENDS
+def test_a_run_stops_where_its_condition_becomes_true(backend: Backend):
+    model, rig = compiled(SlowingMass(), backend), SlowingMass()
+    scenario = Scenario(stop=5.0, initial={"mass.flange.flow": 1.0})  # pyright: ignore[reportArgumentType]
+    slow = rig.mass.flange.flow < 0.1
+    answer = simulate(model, scenario, method=Method.RK4, step=1e-2, until=slow, integrals_every=10.0)
+    expected = math.log(2.0) + math.log(0.5 / 0.1) / 4.0
+    assert answer.ending.status is RunStatus.STOPPED
+    assert answer.ending.is_complete
+    assert answer.ending.time == pytest.approx(expected, abs=1e-8)
+    assert answer.time[-1] == answer.ending.time
+    assert answer.at_end("mass.flange.flow") == pytest.approx(0.1, abs=1e-12)
+    assert [event.element for event in answer.events] == [Path(("damper",))]
+    assert answer["damper.flange.work"][-1] == pytest.approx(answer.work(Path(("damper", "flange"))))
+    assert energy_balance(answer).relative_residual < 1e-6
+
+
+def test_a_run_that_was_stopped_goes_on_to_the_next_time_its_condition_becomes_true():
+    model, rig = compiled(Heated()), Heated()
+    off = math.log(1.5 / 0.9)
+    fall, rise = math.log(1.1 / 0.9), math.log(1.1 / 0.9)
+    warm = rig.room.level > 1.0
+    times: list[float] = []
+    run: Trajectory | None = None
+    for _ in range(2):
+        run = simulate(model, Scenario(stop=9.0), method=Method.RK4, step=1e-2, until=warm, continued_from=run)
+        times.append(run.ending.time)
+    again = fall + math.log((2.0 - 0.9) / (2.0 - 1.0))
+    assert times == pytest.approx([math.log(1.5), off + again], abs=1e-8)
+    assert run is not None
+    whole = simulate(model, Scenario(stop=2.0), method=Method.RK4, step=1e-2, continued_from=run)
+    assert whole.ending.status is RunStatus.COMPLETED
+    assert [e.time for e in whole.events][:4] == pytest.approx([0.0, off, off + fall, off + fall + rise], abs=1e-8)
+
+
+def test_a_condition_on_time_and_parameters_stops_a_model_without_events():
+    component = Coasting()
+    model = compiled(component)
+    moved = time * component.mass.flange.flow * component.mass.mass
+    late = (moved > quantity(0.6, "kg.m")) | (time > 2.0)
+    scenario = Scenario(stop=5.0, initial={"mass.flange.flow": 0.5})  # pyright: ignore[reportArgumentType]
+    answer = simulate(model, scenario, step=1e-2, until=late)
+    assert answer.ending.time == pytest.approx(0.6, abs=1e-12)
+    assert model.lowered.program.guards is None
+    assert simulate(model, scenario, step=1e-2).ending.status is RunStatus.COMPLETED
+
+
+def test_what_is_true_at_the_start_stops_a_run_there():
+    component = Coasting()
+    answer = simulate(compiled(component), Scenario(stop=5.0), until=component.mass.flange.flow >= 0.0)
+    assert answer.ending.status is RunStatus.STOPPED
+    assert answer.ending.time == 0.0

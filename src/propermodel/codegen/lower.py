@@ -84,12 +84,12 @@ def lower(system: EquationSystem) -> Lowered:
     roots += [r for c in corrections for r in (*c.residuals, *(e for row in c.jacobian for e in row))]
     guards = [event.guard for event in system.events]
     jumps = [value for event in system.events for _, value in event.changes]
-    roots += [*guards, *jumps]
     outside = _time_outside([state.derivative for state in system.states], system)
     powers = (*powers, *outside)
     roots += [e.value for e in outside]
     periods = [controller.period for controller in graph.controllers]
-    used = leaves(*roots, *periods)
+    # Last, so that what events mention gives nothing else another slot.
+    used = leaves(*roots, *periods, *guards, *jumps)
     held = tuple(h for h, _ in graph.held)
     parameters = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.PARAMETER)
     tables = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.TABLE)

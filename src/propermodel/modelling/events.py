@@ -77,13 +77,15 @@ def _event(tracer: Tracer, item: Any) -> Event:
         )
     if not item.changes:
         raise _refused(tracer, "has an event that changes nothing", "give it a mapping of new values", item.source)
+    condition = tracer.resolve(item.condition)
+    tracer.check(condition, "", "events")
     changes: list[tuple[Expr, Expr]] = []
     for key, value in item.changes.items():
         target = _target(tracer, key, item.source)
         new = tracer.resolve(value)
         tracer.check(new, target.data.unit, "events")
         changes.append((target, new))
-    return Event(condition=tracer.resolve(item.condition), changes=tuple(changes), source=item.source)
+    return Event(condition=condition, changes=tuple(changes), source=item.source)
 
 
 def _target(tracer: Tracer, key: Expr, source: Source) -> Expr:

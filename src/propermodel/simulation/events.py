@@ -37,7 +37,10 @@ class _Trial:
 
 
 class Events:
-    """The events of one run as they happen; `keep_row` records all signals at an instant, before and after it."""
+    """The events of one run as they happen; `keep_row` records all signals at an instant, before and after it.
+
+    When `is_stopping`, the last event of the model changes nothing and ends the run.
+    """
 
     def __init__(
         self,
@@ -46,12 +49,15 @@ class Events:
         step: float,
         keep_row: Callable[[float, FloatArray], None],
         earlier: tuple[EventRecord, ...] = (),
+        *,
+        is_stopping: bool = False,
     ) -> None:
         self._compiled = compiled
         self._machine = machine
         self._step = step
         self._keep_row = keep_row
         self._earlier = earlier
+        self._stop = len(compiled.system.events) - 1 if is_stopping else -1
         self._happened: list[EventRecord] = []
         self._recent: dict[Path, deque[float]] = {}
         self._energies = _energy_entries(compiled.lowered, compiled)
@@ -122,14 +128,16 @@ class Events:
         """Make the changes of all guards that have become positive, and of those that these raise."""
         signals = self._machine.observe(memory)
         self._keep_row(memory.time, signals)
+        is_stopped = False
         for _ in range(MOST_ROUNDS):
             risen = np.flatnonzero(has_risen(memory.guard, guards))
             memory.guard[:] = guards
             if not risen.size:
                 self._keep_row(memory.time, signals)
-                return self._endless(memory.time)
+                return _stopped(memory.time) if is_stopped else self._endless(memory.time)
+            is_stopped = is_stopped or self._stop in risen
             values = self._machine.jumps(memory)
-            for number in risen:
+            for number in risen[risen != self._stop]:
                 before = self._energy(signals)
                 self._apply(memory, int(number), values)
                 signals = self._machine.observe(memory)
@@ -181,6 +189,10 @@ def _move(source: Memory, target: Memory) -> None:
 
 def _energy_entries(lowered: Lowered, compiled: CompiledModel) -> list[int]:
     return [lowered.observables[stored.element / "energy"].index for stored in compiled.system.energies]
+
+
+def _stopped(time: float) -> Ending:
+    return Ending(RunStatus.STOPPED, f"stopped at {time:.6g} s, where its condition has become true", time)
 
 
 def _unsolved(time: float, error: SimulationError) -> Ending:

@@ -22,6 +22,7 @@ from propermodel.simulation.events import Events
 from propermodel.simulation.overflow import Overflow, first_overflow, overflow_at_end
 from propermodel.simulation.singular import singular_reason
 from propermodel.simulation.start import Start, start_of
+from propermodel.simulation.stopping import add_guard, drop_guard, stopping
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
 
 RETURN_EVERY_S = 0.1
@@ -64,6 +65,7 @@ def simulate(
     progress: Callable[[Progress], None] | None = None,
     continued_from: Trajectory | None = None,
     start: Literal["declared", "equilibrium"] | Start = "declared",
+    until: Expr | None = None,
 ) -> Trajectory:
     """Run a scenario with a fixed step.
 
@@ -79,6 +81,8 @@ def simulate(
         continued_from: A run of the same model to go on from; `scenario.stop` is the new end.
         start: Whether the run begins with the declared initial values or at the equilibrium near them, which the
             notes of the run then tell; or a start made elsewhere. A run that is continued has its start already.
+        until: A condition of observables that ends the run at the instant at which it becomes true; a run that is
+            continued waits until it does so anew.
 
     Returns:
         What was computed, also when the run was interrupted (Ctrl-C) or failed; `ending` says how it ended.
@@ -101,13 +105,16 @@ def simulate(
         )
     selected = _selected(compiled, record)
     before = time.perf_counter()
-    machine = compiled.machine(method)
+    run_model = compiled if until is None else stopping(compiled, until)
+    machine = run_model.machine(method)
     build_s = time.perf_counter() - before
     if continued_from is None:
         begun = _begun(compiled, scenario, start)
         memory, notes = begun.memory, begun.notes
     else:
         memory, notes = _continue(compiled, scenario, continued_from), continued_from.notes
+    if until is not None:
+        memory = add_guard(machine, memory, is_continued=continued_from is not None)
     # Integrals count from the origin of a run, also of one that is continued, and so does its start.
     start_signals = machine.observe(memory) if continued_from is None else continued_from.start_signals
     rows = _Rows(memory, scenario, selected, record_every, integrals_every, len(compiled.lowered.powers))
@@ -122,8 +129,10 @@ def simulate(
     )
     before = time.perf_counter()
     earlier = () if continued_from is None else continued_from.events
-    events = Events(compiled, machine, step, rows.keep_signals, earlier)
+    events = Events(run_model, machine, step, rows.keep_signals, earlier, is_stopping=until is not None)
     outcome = _run(machine, memory, request, rows, progress, scenario, events)
+    if isinstance(outcome, Ending):
+        rows.keep_end(memory)
     wall_s = time.perf_counter() - before
     return Trajectory(
         compiled=compiled,
@@ -138,8 +147,8 @@ def simulate(
         activities=rows.activities[: rows.integral_count],
         start_signals=start_signals,
         final_signals=_final_signals(machine, memory, outcome),
-        memory=memory,
-        ending=outcome if isinstance(outcome, Ending) else _ending(compiled, outcome, memory, rows),
+        memory=memory if until is None else drop_guard(memory),
+        ending=outcome if isinstance(outcome, Ending) else _ending(run_model, outcome, memory, rows),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
         events=events.records,
         notes=notes,
@@ -187,6 +196,16 @@ class _Rows:
         self.times[self.count] = time
         self.values[self.count] = signals[self._selected]
         self.count += 1
+
+    def keep_end(self, memory: Memory) -> None:
+        """Keep the integrals of a run that ends between two instants of theirs."""
+        here = self.integral_count
+        if here == len(self.integral_times) or (here and self.integral_times[here - 1] >= memory.time):
+            return
+        self.integral_times[here] = memory.time
+        self.integrals[here] = memory.integral
+        self.activities[here] = memory.activity
+        self.integral_count += 1
 
     def _make_room(self, rows: int) -> None:
         if self.count + rows > len(self.times):

@@ -25,6 +25,7 @@ class RunStatus(StrEnum):
     COMPLETED = "completed"
     INTERRUPTED = "interrupted"
     FAILED = "failed"
+    STOPPED = "stopped"  # the condition it was to go on until has become true
     CHATTERING = "chattering"  # the events of an element follow each other without end
 
 
@@ -39,8 +40,8 @@ class Ending:
 
     @property
     def is_complete(self) -> bool:
-        """Whether the run reached its stop time."""
-        return self.status is RunStatus.COMPLETED
+        """Whether the run reached its stop time, or the condition it was to go on until."""
+        return self.status in (RunStatus.COMPLETED, RunStatus.STOPPED)
 
 
 @dataclass(frozen=True, slots=True)
