@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
+from propermodel.bondgraph.circles import parameter_circles
 from propermodel.bondgraph.graph import (
     Bond,
     BondGraph,
@@ -55,7 +56,8 @@ def flatten(model: Model) -> BondGraph:
     """The bond graph of a model: hierarchy resolved, removals made, in normal form.
 
     Raises:
-        ModelError: a port is unconnected, an input undriven, a removal names nothing.
+        ModelError: a port is unconnected, an input undriven, parameters are defined in a circle, a removal names
+            nothing.
     """
     walk = _Flattening(model)
     walk.visit(model.root)
@@ -63,6 +65,7 @@ def flatten(model: Model) -> BondGraph:
     walk.check_frozen_signals()
     original = walk.structure()
     walk.define_inputs()
+    walk.faults.found.extend(parameter_circles(walk.parameters.values()))
     walk.faults.raise_if_any()
     net = Net(original)
     normalise(net, [])
@@ -169,6 +172,7 @@ class _Flattening:
                 high=data.high,
                 origin=data.source,
                 status=data.status,
+                source=part.source,
             )
         tables = dict(part.tables)
         for spec in definition.tables:

@@ -145,6 +145,7 @@ class FlatParameter:
     high: float = float("inf")
     origin: str = ""
     status: str = ""
+    source: Source = NO_SOURCE
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -188,6 +189,15 @@ class _Elaboration:
     def check_value(self, component: Component, name: str, key: str, declared: Parameter, value: Expr) -> None:
         """Report a value outside its declared range or of another dimension."""
         plain = number(value)
+        if plain is not None and not math.isfinite(plain):
+            self.fault(
+                component,
+                name,
+                "model/parameter-range",
+                f"'{key}' = {plain:g} is no finite number",
+                "give a finite value; look at what it is computed from",
+            )
+            return
         if plain is not None:
             factor = parse_unit(declared.unit).factor if declared.low > -1e308 or declared.high < 1e308 else 1.0
             if not declared.low * factor <= plain <= declared.high * factor:

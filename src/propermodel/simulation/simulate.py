@@ -91,10 +91,11 @@ def simulate(
     Raises:
         SimulationError: the scenario or an observable does not fit the model.
     """
-    if not scenario.stop > scenario.start:
+    if not -math.inf < scenario.start < scenario.stop < math.inf:
         raise SimulationError.of(
             "simulation/window",
-            f"scenario '{scenario.name}' ends at {scenario.stop} s, not after its start at {scenario.start:g} s",
+            f"scenario '{scenario.name}' goes from {scenario.start:g} s to {scenario.stop:g} s; it must end after its "
+            "start, both at finite times",
             help="give it a later stop: Scenario(stop=...)",
         )
     if not 0.0 < step < math.inf:
@@ -102,6 +103,12 @@ def simulate(
             "simulation/step",
             f"the step is {step} s; it must be positive and finite",
             help="give a step well below the shortest period or time constant: simulate(..., step=1e-3)",
+        )
+    if not (record_every > 0.0 and integrals_every > 0.0):
+        raise SimulationError.of(
+            "simulation/period",
+            f"rows are kept every {record_every:g} s, and integrals every {integrals_every:g} s; both must be positive",
+            help="give the period of recording in seconds: simulate(..., record_every=0.1)",
         )
     selected = _selected(compiled, record)
     before = time.perf_counter()

@@ -19,6 +19,7 @@ from propermodel.expressions.interpret import interpret
 from propermodel.modelling.model import Scenario, Storage, TableValues
 from propermodel.simulation.consistent import close_loops, keep_loops_closed
 from propermodel.simulation.evaluate import HeldTable
+from propermodel.simulation.finite import faults_of_scenario, faults_of_values
 from propermodel.simulation.merging import Starts, merge_starts
 
 Values = dict[Expr, float]
@@ -62,23 +63,12 @@ def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -
     by_symbol = {p.symbol: p for p in flat.values()}
     for start in flat.values():
         pending = [start]
-        opened: dict[Expr, Path] = {}  # parameters that wait for others
         while pending:
             top = pending[-1]
-            if top.symbol in known:
-                opened.pop(top.symbol, None)
-                pending.pop()
-                continue
             missing = [by_symbol[leaf] for leaf in leaves(top.value) if leaf not in known]
-            opened[top.symbol] = top.path
-            if any(parameter.symbol in opened for parameter in missing):
-                circle = ", ".join(str(path) for path in opened.values())
-                raise SimulationError.of(
-                    "simulation/parameter-circle",
-                    f"these parameters are defined by each other: {circle}",
-                    help="give one of them a number",
-                )
-            if missing:
+            if top.symbol in known:
+                pending.pop()
+            elif missing:
                 pending.extend(missing)
             else:
                 known[top.symbol] = interpret(top.value, known)
@@ -104,6 +94,11 @@ def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
     """
     faults = Faults(SimulationError)
     parameters = parameter_values(compiled, scenario.parameters)
+    flat = compiled.graph.parameters
+    faults.found.extend(faults_of_scenario(scenario))
+    faults.found.extend(
+        faults_of_values("parameter", ((p.path, parameters[p.symbol], p.source) for p in flat.values()))
+    )
     tables = _tables(compiled, scenario, faults)
     given = _initial_states(compiled, scenario, parameters, faults)
     held = _held(compiled, scenario, parameters)
@@ -111,8 +106,13 @@ def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
     states, notes = _states(
         compiled, scenario, given, parameters | dict(zip(compiled.lowered.held, held, strict=True)), tables
     )
+    faults.found.extend(
+        faults_of_values(
+            "state", ((s.path, value, s.source) for s, value in zip(compiled.system.states, states, strict=True))
+        )
+    )
+    faults.raise_if_any()
     program = compiled.lowered.program
-    flat = compiled.graph.parameters
     limits = _grid_limits(tables)
     memory = start_memory(
         program,

@@ -1,0 +1,46 @@
+"""Numbers that a run cannot start with: infinite ones, and what is no number at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from propermodel.diagnostics import NO_SOURCE, Diagnostic, Path, Source
+from propermodel.modelling.model import Scenario, TableValues
+
+
+def faults_of_scenario(scenario: Scenario) -> Iterator[Diagnostic]:
+    """The inputs, tables and initial values of a scenario that are not finite."""
+    for path, given in (*scenario.inputs.items(), *scenario.tables.items()):
+        numbers = [
+            np.array(n) for n in ((*given.grids, given.values) if isinstance(given, TableValues) else ([given],))
+        ]
+        wrong = [float(x) for array in numbers for x in array[~np.isfinite(array)]]
+        if wrong:
+            yield _not_finite(
+                f"scenario '{scenario.name}' gives '{path}' the value {wrong[0]:g}",
+                "give finite numbers; a sample that is missing is best left out, as inputs are linear in between",
+            )
+    for path, value in scenario.initial.items():
+        if not math.isfinite(value):
+            yield _not_finite(
+                f"scenario '{scenario.name}' gives '{path}' the start {value:g}",
+                "give it a finite start, or none: the model then has its own",
+            )
+
+
+def faults_of_values(what: str, values: Iterable[tuple[Path, float, Source]]) -> Iterator[Diagnostic]:
+    """The parameters or states whose value at the start is not finite."""
+    for path, value, source in values:
+        if not math.isfinite(value):
+            yield _not_finite(
+                f"the {what} '{path}' is {value:g} at the start",
+                "look at what it is computed from: a division by zero, or the root of a negative number?",
+                source,
+            )
+
+
+def _not_finite(text: str, help: str, source: Source = NO_SOURCE) -> Diagnostic:
+    return Diagnostic("simulation/not-finite", f"{text}, which is no finite number", source=source, help=help)
