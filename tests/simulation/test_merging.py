@@ -1,18 +1,25 @@
 """Storage that is joined keeps at the start what it was declared to hold together."""
 
+import math
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from propermodel.analysis.balance import energy_balance
-from propermodel.expressions import Expr, time
+from propermodel.diagnostics import SimulationError
+from propermodel.expressions import Expr, sqrt, time
 from propermodel.library.mechanics.translation import Fixed, Mass, Spring
 from propermodel.modelling import (
     Component,
+    Inertia,
+    Parameter,
     Port,
     Transformer,
     Translation,
     connect,
     elaborate,
+    parameter,
     table,
 )
 from tests.parts import Capacitor, Ground, Lever, Resistor
@@ -58,6 +65,47 @@ def test_what_the_meeting_of_masses_costs_is_said():
     assert "one.momentum 0.8 instead of 2 N.s" in note
     assert "two.momentum 1.2 instead of 0 N.s" in note
     assert note in str(run(welded(), 0.1))
+
+
+class Relativistic(Inertia):
+    """Momentum m v / sqrt(1 - v^2/c^2), which has no value from the speed of light on."""
+
+    flange = Port(Translation)
+    mass: Parameter = parameter("kg", default=1.0)
+    light: Parameter = parameter("m/s", default=1.0)
+
+    def flow(self, momentum: Expr) -> Expr:
+        ratio = momentum / (self.mass * self.light)
+        return momentum / self.mass / sqrt(1.0 + ratio * ratio)
+
+    def momentum(self, flow: Expr) -> Expr:
+        ratio = flow / self.light
+        return self.mass * flow / sqrt(1.0 - ratio * ratio)
+
+    def energy(self, momentum: Expr) -> Expr:
+        ratio = momentum / (self.mass * self.light)
+        return self.mass * self.light**2.0 * (sqrt(1.0 + ratio * ratio) - 1.0)
+
+
+def meeting(slow: float, fast: float):
+    one, two = Mass(mass=1.0), Relativistic()
+    rig = system(connect(one.flange, two.flange), one=one, two=two)
+    return run(rig, 0.01, initial={"one.momentum": slow, "two.momentum": fast})
+
+
+@pytest.mark.parametrize(
+    ("slow", "fast"), [(0.5, 0.0), (0.5, -5.0), (0.9, 0.0), (0.9, 50.0), (0.99, 5.0), (-0.99, 50.0)]
+)
+def test_masses_with_a_greatest_speed_meet_below_it(slow, fast):
+    r = meeting(slow, fast)
+    speed = brentq(lambda v: v + v / math.sqrt(1.0 - v * v) - slow - fast, -1.0 + 1e-12, 1.0 - 1e-12, xtol=1e-14)
+    assert r.at_start("one.flange.flow") == pytest.approx(speed, rel=1e-9)
+    assert r.at_start("one.momentum") + r.at_start("two.flange.momentum") == pytest.approx(slow + fast, rel=1e-9)
+
+
+def test_a_start_at_which_a_law_has_no_value_is_refused():
+    with pytest.raises(SimulationError, match=r"no start of the states keeps what two\.momentum should store"):
+        meeting(1.5, 0.0)
 
 
 def test_starts_that_agree_are_kept_in_silence():

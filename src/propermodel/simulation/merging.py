@@ -7,6 +7,7 @@ sum of ratio times momentum and merged compliances keep their charge or volume; 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ from propermodel.simulation.evaluate import HeldTable, evaluate, has_all
 # Starts that differ by less than this share of their size agree.
 AGREEMENT = 1e-9
 MOST_ITERATIONS = 30
+MOST_HALVINGS = 20
 
 Values = dict[Expr, float]
 
@@ -125,21 +127,38 @@ def _merged(block: list[DependentStorage], starts: Starts) -> Values:
     declared = np.array([starts.values[dependent.symbol] for dependent in block])
     before = np.array([starts.values[state] for state in states])
     level = starts.at(stored, {})
-    if not any(map(_differ, level, declared)):
+    if np.all(np.isfinite(level)) and not any(map(_differ, level, declared)):
         return {}
-    taken = level - declared
     scale = float(np.max(np.abs([*level, *declared])))
+
+    def at(taken: FloatArray) -> Values:
+        return dict(zip(states, map(float, before + gain @ taken), strict=True))
+
+    def missing(taken: FloatArray) -> FloatArray:
+        return declared + taken - starts.at(stored, at(taken))
+
+    def is_better(taken: FloatArray, least: float) -> bool:
+        return float(np.max(np.abs(missing(taken)))) < max(least, 1e-12 * scale)
+
+    taken = np.zeros(len(block))
     for _ in range(MOST_ITERATIONS):
-        at = dict(zip(states, map(float, before + gain @ taken), strict=True))
-        residual = declared + taken - starts.at(stored, at)
-        if np.max(np.abs(residual)) <= 1e-14 * scale:
-            return at
-        present = iter(starts.at([s for s in slopes if s is not None], at))
+        residual = missing(taken)
+        least = float(np.max(np.abs(residual)))
+        if least <= 1e-14 * scale:
+            return at(taken)
+        present = iter(starts.at([s for s in slopes if s is not None], at(taken)))
         rates = np.array([0.0 if s is None else next(present) for s in slopes]).reshape(len(block), len(states))
+        if not (np.all(np.isfinite(rates)) and math.isfinite(least)):
+            break
         step = np.linalg.lstsq(np.eye(len(block)) - rates @ gain, residual, rcond=None)[0]
-        taken = taken - step
         if np.max(np.abs(step)) <= 1e-13 * scale:
-            return dict(zip(states, map(float, before + gain @ taken), strict=True))
+            return at(taken - step)
+        # A step past the solution, or to where a law has no value, is shortened.
+        shorter = (taken - 0.5**halvings * step for halvings in range(MOST_HALVINGS))
+        found = next((trial for trial in shorter if is_better(trial, least)), None)
+        if found is None:
+            break
+        taken = found
     names = ", ".join(str(dependent.path) for dependent in block)
     raise SimulationError.of(
         "simulation/start",
