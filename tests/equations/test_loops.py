@@ -97,5 +97,6 @@ def test_singular_system_names_its_elements():
         "error[equations/singular]: the equations of these elements do not determine their variables\n"
         "      left   takes part\n"
         "      right  takes part\n"
-        "  help: an inertia or compliance too few, or the same constraint stated twice"
+        "  help: an inertia or compliance too few, the same constraint stated twice, or a signal that feeds itself "
+        "without a delay"
     )

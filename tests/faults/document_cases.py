@@ -7,6 +7,8 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+import xarray as xr
 from typer.testing import CliRunner
 
 import propermodel as pm
@@ -55,6 +57,10 @@ def missing_column() -> object:
 
 def measured(text: str, **options: str) -> object:
     return pm.measured(file_of(text, "road.csv"), **options)
+
+
+def two_dimensions() -> object:
+    return pm.measured(xr.DataArray(np.zeros((3, 2)), dims=("time", "wheel")))
 
 
 def command(*arguments: object) -> Callable[[], str]:
@@ -118,6 +124,7 @@ CASES = (
         names=("line 3", "road.csv", "height"),
         cure="correct the line",
     ),
+    Case(code="data/dimensions", run=two_dimensions, names=("'time', 'wheel'",), cure="select one value"),
     Case(
         code="library/unknown-mission",
         run=lambda: mission("fmtv_mixt"),

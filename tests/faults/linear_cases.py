@@ -76,6 +76,23 @@ class Emptied(Component):
     connections = (connect(tank.port, outlet.port),)
 
 
+class Lifted(pm.SignalBlock):
+    """Lifts what is below one to one, and leaves the rest as it is."""
+
+    value = pm.Input("1")
+    lifted = pm.Output("1")
+
+    def outputs(self):
+        return {self.lifted: pm.maximum(self.value, 1.0)}
+
+
+class Flat(Component):
+    """A signal that is itself lifted: from one on any value will do, so that nothing tells how it changes."""
+
+    lift = Lifted()
+    connections = (connect(lift.lifted, lift.value),)
+
+
 def at_start(component: Component, **chosen: object) -> LinearModel:
     return linearise(compile_model(elaborate(component)), Scenario(), **chosen)  # pyright: ignore[reportArgumentType]
 
@@ -99,6 +116,7 @@ CASES = (
         names=("body.momentun",),
         cure="did you mean 'body.momentum'?",
     ),
+    Case(code="simulation/singular-block", run=lambda: at_start(Flat()), names=("lift", "0 s"), cure="another point"),
     Case(
         code="linear/point",
         run=lambda: linearise(quarter(), run(), time=9.0),

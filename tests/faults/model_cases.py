@@ -252,6 +252,17 @@ def root_parameter() -> object:
     return elaborate(Mass(mass=pm.time))
 
 
+class Pair(Component):
+    a = Mass(mass=1.0)
+    b = Mass(mass=a.mass)
+
+    connections = (connect(a.flange, b.flange),)
+
+
+def parameter_circle() -> object:
+    return compile_model(elaborate(pm.replace(Pair(), a=Mass(mass=Pair.b.mass))))
+
+
 def unknown_unit() -> object:
     class Odd(Component):
         length: Parameter = parameter("furlongs/fortnight-ish", default=1.0)
@@ -333,6 +344,13 @@ CASES = (
         names=("spring", "Rig", "float"),
         at="spring=3.0",
         cure="replace a part by a part",
+    ),
+    Case(
+        code="model/parameter-circle",
+        run=parameter_circle,
+        names=("a.mass", "b.mass"),
+        at="a=Mass(mass=Pair.b.mass)",
+        cure="a number",
     ),
     Case(
         code="model/two-names",

@@ -10,12 +10,17 @@ from propermodel import (
     CompiledModel,
     Component,
     ConstantEffort,
+    Cut,
     Domain,
+    Inertia,
+    Input,
     MultiportResistance,
+    Output,
     Parameter,
     Port,
     Resistance,
     Scenario,
+    SignalBlock,
     StudyOptions,
     TableValues,
     Trajectory,
@@ -32,8 +37,9 @@ from propermodel import (
     run_study,
     simulate,
 )
+from propermodel.modelling.model import Variable
 from tests.faults.case import Case
-from tests.parts import Fixed, Mass, SpringDamper
+from tests.parts import Mass, SpringDamper
 
 
 class Quarter(Component):
@@ -82,54 +88,54 @@ def continued_elsewhere() -> object:
     return simulate(other, changed(STEP, stop=1.0), step=1e-3, continued_from=run())
 
 
-class Circle(Component):
-    first: Parameter = parameter("1", default=1.0)
-    second: Parameter = parameter("1", default=1.0)
+class Squared(SignalBlock):
+    speed = Input("m/s")
+    more = Output("m/s")
 
-
-class Rounded(Component):
-    mass: Parameter = parameter("kg")
-    weight: Parameter = parameter("kg", default=mass)
-    body = Mass(mass=weight)
-    connections = (pm.connect(body.flange),)
-
-
-class Stiction(Resistance):
-    """A loop without solution: the damper wants a root of a negative number."""
-
-    a = Port(Translation)
-    b = Port(Translation)
-    port = Port(Translation, between=(a, b))
-    scale: Parameter = parameter("N", default=1.0)
-    speed: Parameter = parameter("m/s", default=1.0)
-
-    def effort(self, flow):
-        ratio = flow / self.speed
-        return self.scale * (ratio * ratio + 1.0)
+    def outputs(self):
+        return {self.more: self.speed * self.speed / pm.quantity(1.0, "m/s") + pm.quantity(1.0, "m/s")}
 
 
 class Unsolvable(Component):
-    """Two laws on one junction whose forces never balance."""
+    """A signal that is one more than its own square: no number is."""
 
-    one = Stiction()
-    two = Stiction()
-    wall = Fixed()
-    connections = (connect(one.a, two.a), connect(one.b, two.b, wall.flange))
+    square = Squared()
+    connections = (connect(square.more, square.speed),)
 
 
 def not_converged() -> object:
     return simulate(compile_model(elaborate(Unsolvable())), Scenario(stop=0.1), step=1e-3)
 
 
-class Sine(pm.Transformer):
-    """A crank: its ratio is the sine of the angle, zero at the dead centre."""
+class Relativistic(Inertia):
+    """Momentum without bound, at speeds below that of light: given the speed, the law has an end."""
 
-    a = Port(Translation)
-    b = Port(Translation)
-    ratio: Parameter = parameter("1", default=1.0)
+    flange = Port(Translation)
+    mass: Parameter = parameter("kg", default=1.0)
+    light: Parameter = parameter("m/s", default=1.0)
 
-    def modulus(self):
-        return self.ratio
+    def flow(self, momentum):
+        ratio = momentum / (self.mass * self.light)
+        return momentum / self.mass / pm.sqrt(1.0 + ratio * ratio)
+
+    def momentum(self, flow):
+        ratio = flow / self.light
+        return self.mass * flow / pm.sqrt(1.0 - ratio * ratio)
+
+    def energy(self, momentum):
+        ratio = momentum / (self.mass * self.light)
+        return self.mass * self.light**2.0 * (pm.sqrt(1.0 + ratio * ratio) - 1.0)
+
+
+class Welded(Component):
+    slow = Mass(mass=1.0)
+    fast = Relativistic()
+    connections = (connect(slow.flange, fast.flange),)
+
+
+def too_fast() -> object:
+    start = {"slow.momentum": 1.5, "fast.momentum": 0.0}  # 1.5 m/s, faster than light here
+    return simulate(compile_model(elaborate(Welded())), Scenario(stop=0.1, initial=start), step=1e-3)  # pyright: ignore[reportArgumentType]
 
 
 class PseudoHeat(Domain):
@@ -171,7 +177,7 @@ def at_rest() -> object:
 
 
 def stopped() -> Trajectory:
-    return simulate(quarter(), changed(STEP, stop=2000.0), step=0.5, method=pm.Method.EULER)
+    return simulate(quarter(), changed(STEP, stop=2000.0), step=0.5, method=pm.Method.EULER, record_every=1.0)
 
 
 def incomplete_study() -> object:
@@ -212,10 +218,6 @@ class Coupled(Component):
 
 def partial_field() -> object:
     return compile_model(elaborate(Coupled()).without([ConstantEffort(pm.Path(("field", "a")), 0.0)]))
-
-
-class Observed(Quarter):
-    """A signal that reads what a reduction takes away."""
 
 
 SPRING = pm.Path(("suspension", "spring", "port"))
@@ -280,9 +282,42 @@ CASES = (
         names=("body.flang",),
         cure="did you mean 'body.flange'?",
     ),
+    Case(
+        code="simulation/not-finite",
+        run=lambda: with_scenario(initial={"body.momentum": float("nan")}),
+        names=("step", "body.momentum", "nan"),
+        cure="finite start",
+    ),
+    Case(
+        code="simulation/period",
+        run=lambda: simulate(quarter(), STEP, step=1e-3, record_every=0.0),
+        names=("0 s",),
+        cure="record_every=",
+    ),
+    Case(code="simulation/not-converged", run=not_converged, names=("square", "0 s"), cure="laws around this loop"),
+    Case(code="simulation/start", run=too_fast, names=("fast.momentum",), cure="starts that agree"),
     Case(code="simulation/continue", run=continued_elsewhere, cure="compile"),
     Case(code="activity/none", run=at_rest, names=("scenario",), cure="inputs"),
     Case(code="activity/pseudo-bonds", run=pseudo_bonds, names=("pseudo heat",), cure="entropy flow"),
+    Case(
+        code="activity/incomplete",
+        run=lambda: rank_activity(stopped()),
+        names=("stopped at", "suspension.spring.port"),
+        cure="a smaller step",
+    ),
+    Case(
+        code="reduction/cut",
+        run=lambda: without(Cut(SPRING, Variable.EFFORT)),
+        names=("suspension.spring.port", "effort", "1-junction"),
+        at="spring = Spring(stiffness=stiffness)",
+        cure="driven by its flow",
+    ),
+    Case(
+        code="reduction/no-element",
+        run=lambda: without(ConstantEffort(pm.Path((*SPRING[:2], "difference_ring2", "carried")), 0.0)),
+        names=("suspension.spring.difference_ring2.carried",),
+        cure="the bond of an element",
+    ),
     Case(code="reduction/threshold", run=lambda: planned(threshold=99.0), names=("99",), cure="0.99"),
     Case(
         code="reduction/unknown-output",

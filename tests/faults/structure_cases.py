@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+import sys
+from unittest.mock import patch
+
 import propermodel as pm
 from propermodel import (
     Component,
+    FlowSource,
+    Gyrator,
     Inertia,
-    OneJunction,
+    Input,
+    Output,
     Parameter,
     Port,
     Resistance,
+    SignalBlock,
     Translation,
-    bond,
+    ZeroEffort,
     compile_model,
     connect,
     elaborate,
     parameter,
 )
 from tests.faults.case import Case
-from tests.parts import Fixed, Force, Ground, Lever, Mass, Resistor, Velocity, Voltage
+from tests.parts import Fixed, Force, Ground, Mass, Resistor, Velocity, Voltage
 
 
 def compiled(component: Component) -> object:
@@ -107,14 +114,109 @@ class DrivenBouncer(Component):
     connections = (connect(road.flange, mass.flange),)
 
 
-class Idle(Component):
-    """Junctions without anything that decides them."""
+class Turned(Gyrator):
+    a = Port(Translation)
+    b = Port(Translation)
+    ratio: Parameter = parameter("N.s/m", default=2.0)
 
-    one = OneJunction()
-    zero = pm.ZeroJunction()
-    a = Lever(ratio=1.0)
+    def modulus(self):
+        return self.ratio
 
-    connections = (bond(one, a.a), bond(a.b, one), bond(one, zero))
+
+class Ring(Component):
+    """A gyrator that is joined with itself: what it asks of the one junction cannot be had."""
+
+    push = Force(force=1.0)
+    gyrator = Turned()
+
+    connections = (connect(push.flange, gyrator.a, gyrator.b),)
+
+
+class Shaker(FlowSource):
+    flange = Port(Translation)
+
+    def flow(self):
+        return pm.quantity(1.0, "m/s") * pm.sin(pm.time / pm.quantity(1.0, "s"))
+
+
+class Yielding(FlowSource):
+    """Moves as fast as a force that it is told asks for."""
+
+    flange = Port(Translation)
+    force = Input("N")
+    mobility: Parameter = parameter("m/(N.s)", default=1.0)
+
+    def flow(self):
+        return self.mobility * self.force
+
+
+class Reacting(Component):
+    """The speed of one driven mass is made from the reaction of another."""
+
+    shaker = Shaker()
+    one = Mass(mass=1.0)
+    mover = Yielding()
+    two = Mass(mass=1.0)
+
+    connections = (
+        connect(shaker.flange, one.flange),
+        connect(mover.flange, two.flange),
+        connect(one.flange.effort, mover.force),
+    )
+
+
+class More(SignalBlock):
+    speed = Input("m/s")
+    more = Output("m/s")
+
+    def outputs(self):
+        return {self.more: self.speed + pm.quantity(1.0, "m/s")}
+
+
+class SelfFed(Component):
+    """A signal that is one more than itself."""
+
+    add = More()
+
+    connections = (connect(add.more, add.speed),)
+
+
+class Drag(Resistance):
+    port = Port(Translation)
+    size: Parameter = parameter("N.s2/m2", default=1.0)
+
+    def effort(self, flow):
+        return self.size * flow * abs(flow)
+
+
+class Dragged(Component):
+    mass = Mass(mass=1.0)
+    air = Drag()
+
+    connections = (connect(mass.flange, air.port),)
+
+
+class Read(Dragged):
+    """A signal reads the speed of a mass, which a reduction leaves without anything that decides it."""
+
+    add = More()
+
+    connections = (*Dragged.connections, connect(Dragged.mass.flange.flow, add.speed))
+
+
+def unfrozen() -> object:
+    ends = (("mass", "flange"), ("air", "port"))
+    return compile_model(elaborate(Read()).without([ZeroEffort(pm.Path(end)) for end in ends]))
+
+
+def dragged() -> pm.CompiledModel:
+    return compile_model(elaborate(Dragged()))
+
+
+def without_sympy() -> object:
+    """SymPy as if it were not installed."""
+    with patch.dict(sys.modules, {"sympy": None}):
+        return pm.state_equations(dragged()).to_sympy()
 
 
 CASES = (
@@ -160,4 +262,35 @@ CASES = (
         at="mass = HardMass()",
         cure="momentum(flow)",
     ),
+    Case(
+        code="causality/undetermined",
+        run=lambda: compiled(Ring()),
+        names=("gyrator.a", "1-junction", "push.flange"),
+        at="connections = (connect(push.flange, gyrator.a",
+        cure="a storage, a source or a resistance",
+    ),
+    Case(
+        code="equations/index",
+        run=lambda: compiled(Reacting()),
+        names=("two", "one.flange"),
+        at="two = Mass(",
+        cure="a compliance",
+    ),
+    Case(
+        code="equations/singular", run=lambda: compiled(SelfFed()), names=("add",), cure="feeds itself without a delay"
+    ),
+    Case(code="equations/undefined", run=unfrozen, names=("mass.flange.flow", "add"), cure="freeze the signal"),
+    Case(
+        code="equations/nonlinear",
+        run=lambda: pm.symbolic_matrices(dragged()),
+        names=("mass.velocity",),
+        cure="linearise",
+    ),
+    Case(
+        code="equations/unknown-output",
+        run=lambda: pm.state_equations(dragged(), outputs=["mass.flange.flw"]),
+        names=("mass.flange.flw",),
+        cure="did you mean 'mass.flange.flow'?",
+    ),
+    Case(code="equations/no-sympy", run=without_sympy, names=("SymPy",), cure="propermodel[symbolic]"),
 )

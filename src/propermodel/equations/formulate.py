@@ -204,8 +204,8 @@ def _dependents(
 def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr]) -> list[Unknown]:
     """Every unknown with its residual: torn loops, dependent storage, locked resistances, closed loops."""
     found = [
-        Unknown(unknown, unknown - resolution.torn_value(unknown), unknown.data.path.parent.parent, BlockKind.LOOP)
-        for unknown in resolution.torn
+        Unknown(unknown, unknown - resolution.torn_value(unknown), _owner(target), BlockKind.LOOP)
+        for unknown, target in resolution.torn.items()
     ]
     found += [
         Unknown(implied.unknown, resolution.complete(implied.value - implied.law), implied.element.path, BlockKind.LOOP)
@@ -233,6 +233,12 @@ def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr
         found.append(Unknown(held.unknown, excess, held.element.path, BlockKind.CONSTRAINT))
     found.extend(drifting.unknowns)
     return found
+
+
+def _owner(variable: Expr) -> Path:
+    """The part of a signal or state, or the part of the port that another variable belongs to."""
+    part = variable.data.path.parent
+    return part if variable.data.kind in (SymbolKind.SIGNAL, SymbolKind.STATE) else part.parent
 
 
 class _RateUnknowns:

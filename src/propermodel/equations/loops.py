@@ -8,7 +8,6 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from propermodel.diagnostics import Diagnostic, Path, StructureError
 from propermodel.expressions.core import Expr, Substitution, SymbolKind, leaves, symbol
 
 
@@ -89,17 +88,14 @@ class Resolution:
                     continue
                 if len(nodes) == 1 and nodes[0] in cut:
                     continue
-                chosen = self._choose(nodes, uses, preferred - cut)
-                if chosen is None:
-                    raise _unbreakable([symbols[n] for n in nodes])
-                cut.add(chosen)
+                cut.add(self._choose(nodes, uses, preferred - cut))
                 pending.append(nodes)
         for node in sorted(cut):
             target = symbols[node]
             unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
             self.torn[unknown] = target
 
-    def _choose(self, nodes: list[int], uses: list[list[int]], preferred: set[int]) -> int | None:
+    def _choose(self, nodes: list[int], uses: list[list[int]], preferred: set[int]) -> int:
         """The symbol of a loop to tear: the result of a law with most uses inside the loop, otherwise any."""
         inside = set(nodes)
         used: dict[int, int] = dict.fromkeys(nodes, 0)
@@ -108,7 +104,7 @@ class Resolution:
                 if other in inside:
                     used[other] += 1
         pool = [n for n in nodes if n in preferred] or nodes
-        return max(pool, key=lambda n: (used[n] * sum(o in inside for o in uses[n]), -n), default=None)
+        return max(pool, key=lambda n: (used[n] * sum(o in inside for o in uses[n]), -n))
 
     def _resolve(self, values: dict[Expr, Expr]) -> dict[Expr, Expr]:
         substitute = Substitution({})
@@ -135,16 +131,3 @@ class Resolution:
                     order.append(top)
                     stack.pop()
         return order
-
-
-def _unbreakable(symbols: list[Expr]) -> StructureError:
-    names = ", ".join(sorted({str(Path(s.data.path)) for s in symbols})[:8])
-    return StructureError(
-        [
-            Diagnostic(
-                "equations/loop",
-                f"these variables define each other in a circle: {names}",
-                help="break the circle with a storage, or a signal with a delay",
-            )
-        ]
-    )

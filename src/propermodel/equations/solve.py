@@ -47,7 +47,8 @@ def _pivot(rows: list[list[Expr]], column: int, paths: Sequence[Path]) -> int:
                     "equations/singular",
                     "the equations of these elements do not determine their variables",
                     involved=tuple(Involved(str(path), "takes part") for path in dict.fromkeys(paths)),
-                    help="an inertia or compliance too few, or the same constraint stated twice",
+                    help="an inertia or compliance too few, the same constraint stated twice, or a signal that feeds "
+                    "itself without a delay",
                 )
             ]
         )
