@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from propermodel.analysis.linear_model import LinearModel
+import numpy as np
+from scipy.sparse import csr_array
+
+from propermodel.analysis.linear_model import ElementVariables, LinearModel, OperatingPoint
 from propermodel.analysis.linearise import linearise
+from propermodel.codegen.machine import FloatArray
 from propermodel.compiler import Backend, compile_model
+from propermodel.diagnostics import Path
 from propermodel.modelling import Component, Scenario, connect, elaborate
 from tests.parts import Capacitor, Coil, Damper, Fixed, Force, Ground, Mass, Resistor, Spring, Voltage
 from tests.physics.systems import system
@@ -15,6 +20,46 @@ L, C, R = 2e-3, 5e-6, 3.0
 def linear(component: Component, **chosen: list[str]) -> LinearModel:
     compiled = compile_model(elaborate(component), backend=Backend.INTERPRETED)
     return linearise(compiled, Scenario(), **chosen)  # pyright: ignore[reportArgumentType]
+
+
+def of_matrices(A: FloatArray, B: FloatArray, C: FloatArray) -> LinearModel:
+    """A linear model of these matrices, of no particular machine."""
+    count, inputs, outputs = len(A), B.shape[1], len(C)
+
+    def named(letter: str, size: int) -> tuple[Path, ...]:
+        return tuple(Path((f"{letter}{index}",)) for index in range(size))
+
+    return LinearModel(
+        name="matrices",
+        states=named("x", count),
+        state_units=("1",) * count,
+        inputs=named("u", inputs),
+        input_units=("1",) * inputs,
+        outputs=named("y", outputs),
+        output_units=("1",) * outputs,
+        A=A,
+        B=B,
+        C=C,
+        D=np.zeros((outputs, inputs)),
+        B_rate=np.zeros((count, inputs)),
+        D_rate=np.zeros((outputs, inputs)),
+        point=OperatingPoint(
+            description="nowhere",
+            time=0.0,
+            states=np.zeros(count),
+            inputs=np.zeros(inputs),
+            outputs=np.zeros(outputs),
+            rates=np.zeros(count),
+        ),
+        elements=ElementVariables(paths=(), is_storage=(), efforts=csr_array((0, count)), others=csr_array((0, count))),
+    )
+
+
+def lags(rates: FloatArray) -> LinearModel:
+    """First-order lags in a row: y = product of rate / (s + rate) u."""
+    count = len(rates)
+    A = np.diag(-rates) + np.diag(rates[1:], -1)
+    return of_matrices(A, rates[:1, np.newaxis] * np.eye(count, 1), np.eye(1, count, count - 1))
 
 
 def circuit(resistance: float = R) -> Component:

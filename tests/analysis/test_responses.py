@@ -11,7 +11,7 @@ from propermodel.compiler import compile_model
 from propermodel.diagnostics import SimulationError
 from propermodel.library.vehicle.truck import HybridTruck
 from propermodel.modelling import Scenario, connect, elaborate
-from tests.analysis.linear_systems import C, L, R, circuit, free_mass, free_pair, linear, two_masses
+from tests.analysis.linear_systems import C, L, R, circuit, free_mass, free_pair, lags, linear, two_masses
 from tests.cli.quarter_car import QuarterCar
 from tests.parts import Mass, Velocity
 from tests.physics.systems import system
@@ -121,6 +121,27 @@ def test_a_mass_carried_along_answers_with_the_derivative_of_the_velocity():
     np.testing.assert_allclose(model.frequency_response([3.0]).magnitude(), [6.0])
     with pytest.raises(SimulationError, match="linear/improper"):
         model.step_response()
+
+
+@pytest.mark.parametrize("spread", [0.0, 1e-9, 1e-3, 0.02, 0.5])
+def test_a_row_of_lags_has_its_transfer_function_although_its_poles_are_uncertain(spread: float):
+    rates = 1.0 + spread * np.arange(16)
+    model = lags(rates)
+    function = model.transfer_function()
+    assert function.zeros.size == 0
+    assert function.poles.size == 16
+    assert function.gain == pytest.approx(np.prod(rates), rel=1e-12)
+    for omega in (0.0, 0.3, 1.0, 5.0):
+        expected = np.prod(rates / (1j * omega + rates))
+        assert abs(function(1j * omega) - expected) < 1e-9 * abs(expected)
+        assert abs(model.frequency_response([omega]).of()[0] - expected) < 1e-13
+
+
+def test_a_gain_beyond_all_numbers_is_refused_and_the_frequency_response_remains():
+    model = lags(np.full(50, 1e9))
+    with pytest.raises(SimulationError, match=r"linear/gain.*from u0 to y0"):
+        model.transfer_function()
+    assert model.frequency_response([1e6]).of()[0] == pytest.approx((1.0 + 1e-3j) ** -50, rel=1e-12)
 
 
 def test_truck_transfer_functions_are_its_frequency_response():

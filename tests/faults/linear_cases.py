@@ -7,6 +7,7 @@ from functools import cache
 from unittest import mock
 
 import propermodel as pm
+from examples.transmission_line import TransmissionLine
 from propermodel import (
     Component,
     Hydraulic,
@@ -152,6 +153,12 @@ CASES = (
         run=lambda: at_start(Pair(), outputs=["one.flange.flow"]).frequency_response([1.0, 10.0]),
         names=("pair", "10 rad/s"),
         cure="modes()",
+    ),
+    Case(
+        code="linear/gain",
+        run=lambda: at_start(TransmissionLine(), outputs=["load.port.effort"]).transfer_function("voltage"),
+        names=("voltage", "load.port.effort"),
+        cure="frequency_response()",
     ),
     Case(
         code="linear/duration",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import get_lapack_funcs, matrix_balance, rsf2csf, schur, solve_sylvester, solve_triangular
+from scipy.linalg import eig, get_lapack_funcs, matrix_balance, rsf2csf, schur, solve_sylvester
 
 from propermodel.codegen.machine import FloatArray
 
@@ -49,25 +49,24 @@ def roots_of(matrix: FloatArray, least_norm: float = 0.0) -> tuple[Root, ...]:
     real: FloatArray = form[0]
     triangle, basis = rsf2csf(real, form[1])
     values = _values(real, triangle)
-    left, right, conditions = _vectors(triangle, values)
+    left, right, conditions = _vectors(triangle)
     left, right = basis @ left, basis @ right
     norm = max(float(np.linalg.norm(real)), least_norm, 1e-300)
     uncertainty = ROUNDING * norm / conditions
     roots: list[Root] = []
     for members in _clusters(values, uncertainty):
-        if len(members) == 1:
-            (index,) = members
-            vector, found, error = right[:, index], values[index], float(uncertainty[index])
-            dual = left[:, index].conj()
+        if len(members) > 1:
+            together = _together(triangle, basis, values, members, norm)
+            if together is not None:
+                roots.append(_root(*together, len(members), scale))
+                continue
+        for index in members:
+            if values[index].imag < 0.0:
+                continue
+            vector, dual = right[:, index], left[:, index].conj()
             shares = vector * dual / np.dot(dual, vector)
-        else:
-            found, error, vector, shares = _together(triangle, basis, values, members, norm)
-        value = complex(
-            0.0 if abs(found.real) <= error else found.real,
-            0.0 if abs(found.imag) <= error else found.imag,
-        )
-        vector = vector * scale
-        roots.append(Root(value, len(members), error, vector / np.linalg.norm(vector), shares))
+            error = float(uncertainty[index]) if len(members) == 1 else 0.0
+            roots.append(_root(complex(values[index]), error, vector, shares, 1, scale))
     return tuple(sorted(roots, key=lambda root: (abs(root.value), root.value.real)))
 
 
@@ -88,6 +87,17 @@ def all_values(roots: tuple[Root, ...]) -> ComplexArray:
     return np.array(found, dtype=np.complex128)
 
 
+def _root(
+    found: complex, error: float, vector: ComplexArray, shares: ComplexArray, multiplicity: int, scale: FloatArray
+) -> Root:
+    value = complex(
+        0.0 if abs(found.real) <= error else found.real,
+        0.0 if abs(found.imag) <= error else found.imag,
+    )
+    vector = vector * scale
+    return Root(value, multiplicity, error, vector / np.linalg.norm(vector), shares)
+
+
 def _values(real: FloatArray, triangle: ComplexArray) -> ComplexArray:
     """The diagonal of a complex Schur form, conjugates exactly conjugate."""
     values = np.diag(triangle).copy()
@@ -101,27 +111,10 @@ def _values(real: FloatArray, triangle: ComplexArray) -> ComplexArray:
     return values
 
 
-def _vectors(triangle: ComplexArray, values: ComplexArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+def _vectors(triangle: ComplexArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
     """Left and right eigenvectors of a triangular matrix, columns of length 1, and the cosine between the two."""
-    count = len(values)
-    left, right = np.eye(count, dtype=np.complex128), np.eye(count, dtype=np.complex128)
-    least = ROUNDING * max(float(np.linalg.norm(triangle)), 1e-300)
-    shifted = np.array(triangle, order="F")
-    for index, value in enumerate(values):
-        gaps = values - value
-        gaps[np.abs(gaps) < least] = least
-        np.fill_diagonal(shifted, gaps)
-        before, after = slice(0, index), slice(index + 1, count)
-        if index:
-            right[before, index] = solve_triangular(
-                shifted[before, before], -triangle[before, index], check_finite=False
-            )
-        if index + 1 < count:
-            left[after, index] = solve_triangular(
-                shifted[after, after], -triangle[index, after].conj(), trans=2, check_finite=False
-            )
-    left /= np.linalg.norm(left, axis=0)
-    right /= np.linalg.norm(right, axis=0)
+    found: Any = eig(triangle, left=True, right=True, check_finite=False)
+    left, right = found[1], found[2]
     conditions = np.abs(np.sum(left.conj() * right, axis=0))
     return left, right, np.maximum(conditions, 1e-300)
 
@@ -158,8 +151,12 @@ def _clusters(values: ComplexArray, uncertainty: FloatArray) -> list[list[int]]:
 
 def _together(
     triangle: ComplexArray, basis: ComplexArray, values: ComplexArray, members: list[int], norm: float
-) -> tuple[complex, float, ComplexArray, ComplexArray]:
-    """The mean of a cluster, its rounding error, an eigenvector, and the diagonal of the projection."""
+) -> tuple[complex, float, ComplexArray, ComplexArray] | None:
+    """The mean of a cluster, its rounding error, an eigenvector, and the diagonal of the projection.
+
+    Nothing, if the cluster is no multiple eigenvalue even so: rounding would not give a polynomial this far from
+    that of a multiple one, although each of its roots is uncertain.
+    """
     count, size = len(values), len(members)
     chosen = np.zeros(count, dtype=np.int32)
     chosen[members] = 1
@@ -173,4 +170,7 @@ def _together(
         dual = dual + solve_sylvester(inner, -outer, coupling) @ second.conj().T
     mean = complex(np.mean(values[members]))
     error = ROUNDING * norm / max(float(condition), 1e-300)
+    deviation = np.abs(np.poly(values[members] - mean))[1:]
+    if np.any(deviation > size * error * norm ** np.arange(size)):
+        return None
     return mean, error, first[:, 0], np.sum(first * dual.T, axis=1)

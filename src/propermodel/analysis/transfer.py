@@ -12,12 +12,13 @@ import numpy as np
 from propermodel.analysis.responses import connected_states
 from propermodel.analysis.spectrum import ROUNDING, ComplexArray, Root, all_values, balanced, roots_of
 from propermodel.codegen.machine import FloatArray
-from propermodel.diagnostics import Path
+from propermodel.diagnostics import Path, SimulationError
 from propermodel.expressions.core import Expr
 
 if TYPE_CHECKING:
     from propermodel.analysis.linear_model import LinearModel
 
+LARGEST = 600.0  # of the logarithm of a gain
 CANCELLED = 1e-7  # a zero this near to a pole, as a share of its size, cancels it
 
 
@@ -80,7 +81,8 @@ def transfer_function(
     """The transfer function from one input to one output.
 
     Raises:
-        SimulationError: there is no such input or output, or a name is left out and there are several.
+        SimulationError: there is no such input or output, a name is left out and there are several, or the gain is too
+            large or too small for a number.
     """
     row, column = model.output_index(output), model.input_index(input)
     used = connected_states(model, [column], [row])
@@ -88,7 +90,15 @@ def transfer_function(
     rate = model.B_rate[used, column]
     b, c = model.B[used, column] + A @ rate, model.C[row, used]
     d = float(model.D[row, column] + c @ rate)
-    zeros, gain = _zeros(A, b, c, d, float(model.D_rate[row, column]))
+    try:
+        zeros, gain = _zeros(A, b, c, d, float(model.D_rate[row, column]))
+    except OverflowError:
+        raise SimulationError.of(
+            "linear/gain",
+            f"the gain from {model.inputs[column]} to {model.outputs[row]} is no floating-point number: "
+            "too many poles lie between the two",
+            help="use frequency_response(), or an output nearer to the input",
+        ) from None
     poles = roots_of(A)
     if gain == 0.0:
         above = below = np.zeros(0, dtype=np.complex128)
@@ -102,6 +112,9 @@ def _zeros(a: FloatArray, b: FloatArray, c: FloatArray, d: float, d_rate: float)
 
     While the output does not show the input itself, zeros have c x = 0: the part of the state along c goes, and the
     rate of c x is the next output (Emami-Naeini and Van Dooren (1982), Automatica 18, 415, for one input and output).
+
+    Raises:
+        OverflowError: the factor is not within the range of floating-point numbers.
     """
     if d_rate != 0.0:
         # Divided by s, the function is proper: an integrator stands before the input.
@@ -110,31 +123,41 @@ def _zeros(a: FloatArray, b: FloatArray, c: FloatArray, d: float, d_rate: float)
         b, c, d = np.append(np.zeros(count), 1.0), np.append(c, d), d_rate
     evened = balanced(np.block([[a, b[:, np.newaxis]], [c[np.newaxis], np.array([[d]])]]))[0]
     a, b, c = evened[:-1, :-1], evened[:-1, -1], evened[-1, :-1]
-    norm = float(np.linalg.norm(a))
-    gain, times = _first_markov_parameter(a, b, c, d)
-    if gain == 0.0:
+    norm = float(np.linalg.norm(a)) or 1.0
+    first, times, exponent = _first_markov_parameter(a / norm, b, c, d)
+    if first == 0.0:
         return (), 0.0
-    direct = gain
+    direct, lengths = math.copysign(1.0, first), 0.0
     for _ in range(times):
         length = float(np.linalg.norm(c))
         along = c / length
         rest = np.linalg.svd(along[np.newaxis])[2][1:].T
-        direct /= length
+        lengths += math.log(length)
         c, a, b = along @ a @ rest, rest.T @ a @ rest, rest.T @ b
-    return roots_of(a - np.outer(b, c) / direct, norm), gain
+    size = math.log(abs(first)) + exponent + max(times - 1, 0) * math.log(norm)
+    if abs(size) > LARGEST:
+        raise OverflowError
+    return roots_of(a - np.outer(b, c) / (direct * math.exp(size - lengths)), norm), direct * math.exp(size)
 
 
-def _first_markov_parameter(a: FloatArray, b: FloatArray, c: FloatArray, d: float) -> tuple[float, int]:
-    """The first of d, c b, c A b, ... that is more than rounding, and its number; 0 if all of them vanish."""
+def _first_markov_parameter(a: FloatArray, b: FloatArray, c: FloatArray, d: float) -> tuple[float, int, float]:
+    """The first of d, c b, c a b, ... that is more than rounding, its number, and the logarithm of its factor.
+
+    The parameter is 0 if all of them vanish.
+    """
     if d != 0.0:
-        return d, 0
-    moved, bound = b, np.abs(b)
+        return d, 0, 0.0
+    moved, bound, exponent = b, np.abs(b), 0.0
     for times in range(1, len(a) + 1):
+        size = float(np.max(bound))
+        if size == 0.0:
+            break
+        moved, bound, exponent = moved / size, bound / size, exponent + math.log(size)
         value, largest = float(c @ moved), float(np.abs(c) @ bound)
         if abs(value) > times * len(a) * ROUNDING * largest:
-            return value, times
+            return value, times, exponent
         moved, bound = a @ moved, np.abs(a) @ bound
-    return 0.0, 0
+    return 0.0, 0, 0.0
 
 
 def _without_common(zeros: ComplexArray, poles: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
