@@ -25,7 +25,7 @@ from propermodel import (
     parameter,
 )
 from tests.faults.case import Case
-from tests.parts import Fixed, Force, Ground, Mass, Resistor, Velocity, Voltage
+from tests.parts import Fixed, Force, Ground, Mass, Resistor, Spring, Velocity, Voltage
 
 
 def compiled(component: Component) -> object:
@@ -112,6 +112,35 @@ class DrivenBouncer(Component):
     mass = BouncingMass(mass=1.0)
 
     connections = (connect(road.flange, mass.flange),)
+
+
+class Stopper(Resistance):
+    """A damper that stops dead what has become slow."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    port = Port(Translation, between=(a, b))
+    damping: Parameter = parameter("N.s/m", default=1.0)
+    slow: Parameter = parameter("m/s", default=0.1)
+
+    def effort(self, flow):
+        return self.damping * flow
+
+    def events(self):
+        return (pm.when(self.port.flow < self.slow, restitution=0.0),)
+
+
+class StoppedSpring(Component):
+    spring = Spring(stiffness=10.0)
+    stopper = Stopper()
+    left = Fixed()
+    right = Fixed()
+
+    connections = (
+        connect(left.flange, spring.a),
+        connect(spring.b, stopper.a),
+        connect(stopper.b, right.flange),
+    )
 
 
 class Turned(Gyrator):
@@ -226,6 +255,13 @@ CASES = (
         names=("mass.momentum", "dependent"),
         at="pm.when(",
         cure="put a compliance in between",
+    ),
+    Case(
+        code="equations/impulse",
+        run=lambda: compiled(StoppedSpring()),
+        names=("stopper", "acts on no state", "is struck"),
+        at="pm.when(",
+        cure="put an inertia where it strikes",
     ),
     Case(
         code="causality/conflict",

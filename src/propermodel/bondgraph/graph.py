@@ -109,6 +109,7 @@ class FlatEvent:
     element: Path
     condition: Expr
     changes: tuple[tuple[Expr, Expr], ...]
+    restitution: Expr | None = None
     source: Source = field(default=NO_SOURCE, compare=False)
 
 

@@ -79,6 +79,7 @@ class Scope:
             element=self.path,
             condition=self(event.condition),
             changes=tuple((self.absolute(target), self(value)) for target, value in event.changes),
+            restitution=None if event.restitution is None else self(event.restitution),
             source=event.source,
         )
 

@@ -23,7 +23,7 @@ from propermodel.codegen.program import (
 from propermodel.diagnostics import Path
 from propermodel.equations.corrections import Correction, corrections_of
 from propermodel.equations.definitions import Variables, sign_at
-from propermodel.equations.system import EquationSystem, ImplicitBlock, StateKind
+from propermodel.equations.system import EquationSystem, Impacts, ImplicitBlock, StateKind
 from propermodel.expressions.core import (
     ONE,
     TIME,
@@ -56,6 +56,15 @@ class Observable:
     unit: str
 
 
+@dataclass(frozen=True, slots=True)
+class ImpactSlots:
+    """Where impulses stand: the flag of each event that has one, the states they change, and where JUMP has these."""
+
+    flags: tuple[tuple[int, Slot], ...]  # number of an event, its flag
+    states: tuple[Slot, ...]
+    first: int  # in JUMP: the states afterwards, then what each event loses
+
+
 @dataclass(frozen=True)
 class Lowered:
     """A program with the meaning of its entries: powers, observables (several may share an entry), parameters."""
@@ -68,6 +77,7 @@ class Lowered:
     held: tuple[Expr, ...]
     tables: tuple[Path, ...]
     targets: tuple[tuple[Slot, ...], ...] = ()  # of each event: what it changes, in the order of JUMP
+    impacts: ImpactSlots | None = None
 
 
 def lower(system: EquationSystem) -> Lowered:
@@ -84,17 +94,24 @@ def lower(system: EquationSystem) -> Lowered:
     roots += [r for c in corrections for r in (*c.residuals, *(e for row in c.jacobian for e in row))]
     guards = [event.guard for event in system.events]
     jumps = [value for event in system.events for _, value in event.changes]
+    first, impacts = len(jumps), system.impacts
+    inside: list[Expr] = []
+    if impacts is not None:
+        jumps += [*(value for _, value in impacts.updates), *impacts.losses]
+        inside = [*impacts.residuals, *(e for row in impacts.jacobian for e in row)]
     outside = _time_outside([state.derivative for state in system.states], system)
     powers = (*powers, *outside)
     roots += [e.value for e in outside]
     periods = [controller.period for controller in graph.controllers]
     # Last, so that what events mention gives nothing else another slot.
-    used = leaves(*roots, *periods, *guards, *jumps)
+    used = leaves(*roots, *periods, *guards, *jumps, *inside)
     held = tuple(h for h, _ in graph.held)
     parameters = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.PARAMETER)
     tables = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.TABLE)
     unknowns = tuple(u for b in (*system.blocks, *corrections) for u in b.unknowns)
     unknowns += tuple(rank_symbol(c) for c in corrections if c.rank is not None)
+    if impacts is not None:
+        unknowns += (*impacts.unknowns, *(flag for _, flag in impacts.flags))
     counts = {Array.POWER: len(powers), Array.SIGNAL: len(signals), Array.GUARD: len(guards), Array.JUMP: len(jumps)}
     layout = _layout(system, parameters, held, tables, unknowns, counts)
     rates = [Assign(Slot(Array.RATE, i), s.derivative) for i, s in enumerate(system.states)]
@@ -112,7 +129,7 @@ def lower(system: EquationSystem) -> Lowered:
         layout=layout,
         corrections=tuple(_correction(k, correction, layout) for k, correction in enumerate(corrections)),
         guards=_function("guards", system, _assignments(Array.GUARD, guards)) if guards else None,
-        jumps=_function("jumps", system, _assignments(Array.JUMP, jumps)) if guards else None,
+        jumps=_jumps(system, jumps, inside) if guards else None,
     )
     return Lowered(
         program=program,
@@ -123,6 +140,25 @@ def lower(system: EquationSystem) -> Lowered:
         held=held,
         tables=tuple(leaf.data.path for leaf in tables),
         targets=tuple(tuple(layout.slots[target] for target, _ in event.changes) for event in system.events),
+        impacts=None if impacts is None else _impact_slots(impacts, layout, first),
+    )
+
+
+def _jumps(system: EquationSystem, jumps: list[Expr], inside: list[Expr]) -> Function:
+    """What events make of states and held values; impulses are solved for once their laws' values are known."""
+    assigns = _assignments(Array.JUMP, jumps)
+    if system.impacts is None:
+        return _function("jumps", system, assigns)
+    needed = _function("jumps", system, [*assigns, *_assignments(Array.JUMP, inside)])
+    blocks = (step for step in needed.steps if isinstance(step, Solve))
+    return Function("jumps", (*blocks, _solve(system.impacts), *assigns))
+
+
+def _impact_slots(impacts: Impacts, layout: Layout, first: int) -> ImpactSlots:
+    return ImpactSlots(
+        flags=tuple((number, layout.slots[flag]) for number, flag in impacts.flags),
+        states=tuple(layout.slots[state] for state, _ in impacts.updates),
+        first=first,
     )
 
 
@@ -189,7 +225,7 @@ def rank_symbol(correction: Correction) -> Expr:
     return symbol(SymbolKind.UNKNOWN, correction.paths[0] / "rank", "")
 
 
-def _solve(block: ImplicitBlock | Correction) -> Solve:
+def _solve(block: ImplicitBlock | Correction | Impacts) -> Solve:
     return Solve(
         unknowns=block.unknowns,
         residuals=block.residuals,

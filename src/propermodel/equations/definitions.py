@@ -79,6 +79,16 @@ class Lockable:
 
 
 @dataclass(frozen=True, slots=True)
+class Struck:
+    """A resistance through which impulses act: its effort is an unknown, so that its impulse has a symbol too."""
+
+    element: Element
+    unknown: Expr
+    law: Expr
+    flow: Expr
+
+
+@dataclass(frozen=True, slots=True)
 class Held:
     """A flow source that closes a kinematic loop: its effort is the unknown that keeps its flow."""
 
@@ -96,6 +106,7 @@ class Definitions:
     dependents: list[Dependent] = field(default_factory=list[Dependent])
     implied: list[Implied] = field(default_factory=list[Implied])
     lockables: list[Lockable] = field(default_factory=list[Lockable])
+    struck: list[Struck] = field(default_factory=list[Struck])
     held: list[Held] = field(default_factory=list[Held])
     laws: list[Expr] = field(default_factory=list[Expr])  # results of resistance laws: candidates for tearing
 
@@ -237,9 +248,18 @@ def _define_resistance(
             unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
             found.lockables.append(Lockable(element, unknown, result.value, flow, behaviour.locked))
             found.values[target] = unknown
+        elif result.variable is Variable.EFFORT and _has_impulses(causal, element):
+            flow = variables.of(bond, Variable.FLOW)
+            unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+            found.struck.append(Struck(element, unknown, result.value, flow))
+            found.values[target] = unknown
         else:
             found.values[target] = _held_when_locked(behaviour, result)
             found.laws.append(target)
+
+
+def _has_impulses(causal: CausalGraph, element: Element) -> bool:
+    return any(event.element == element.path and event.restitution is not None for event in causal.graph.events)
 
 
 def _held_when_locked(behaviour: Resistive, result: Result) -> Expr:

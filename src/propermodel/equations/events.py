@@ -14,11 +14,15 @@ _TINY = constant(1e-300)  # what makes the guard of "<=" positive where both sid
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemEvent:
-    """An event: it happens when its guard becomes positive; then states and held values get new values."""
+    """An event: it happens when its guard becomes positive; then states and held values get new values.
+
+    With a `restitution`, an impulse of the element's effort makes its flow -restitution * flow.
+    """
 
     element: Path
     guard: Expr
     changes: tuple[tuple[Expr, Expr], ...]  # symbol of a state or held value, its value afterwards
+    restitution: Expr | None = None
     source: Source = field(default=NO_SOURCE, compare=False)
 
 
@@ -77,6 +81,7 @@ def system_events(
                 element=event.element,
                 guard=resolved(guard_of(event.condition)),
                 changes=tuple((target, resolved(value)) for target, value in event.changes),
+                restitution=None if event.restitution is None else resolved(event.restitution),
                 source=event.source,
             )
         )

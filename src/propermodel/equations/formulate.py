@@ -11,6 +11,7 @@ from propermodel.equations.closures import closures_of, positions_of
 from propermodel.equations.condense import condense
 from propermodel.equations.definitions import Definitions, Variables, define, dependent_ports
 from propermodel.equations.events import SystemEvent, system_events
+from propermodel.equations.impacts import impacts_of
 from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution, strong_components
 from propermodel.equations.rows import rows_of
@@ -103,6 +104,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
         rows=rows_of(causal),
         updates=updates,
         events=events,
+        impacts=impacts_of(causal, definitions, resolution, states, events, finish),
     )
 
 
@@ -210,6 +212,10 @@ def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr
     found += [
         Unknown(implied.unknown, resolution.complete(implied.value - implied.law), implied.element.path, BlockKind.LOOP)
         for implied in definitions.implied
+    ]
+    found += [
+        Unknown(struck.unknown, struck.unknown - resolution.complete(struck.law), struck.element.path, BlockKind.LOOP)
+        for struck in definitions.struck
     ]
     answering = (*definitions.dependents, *definitions.lockables, *definitions.held)
     answers = {item.unknown for item in answering}
@@ -401,6 +407,7 @@ def _check_defined(
     missing: dict[Expr, str] = {}
     needs = [*((str(s.path), s.derivative) for s in states), *_signal_values(causal, values)]
     needs += [(str(e.element), expr) for e in events for expr in (e.guard, *(value for _, value in e.changes))]
+    needs += [(str(e.element), e.restitution) for e in events if e.restitution is not None]
     for owner, expr in needs:
         for leaf in leaves(expr):
             kind = leaf.data.kind

@@ -108,6 +108,22 @@ class Closure:
     source: Source = field(default=NO_SOURCE, compare=False)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Impacts:
+    """What the impulses of all events that happen at once do to the states.
+
+    An event takes part while its flag, which stands among the unknowns, is 1. The residuals vanish at the impulses.
+    """
+
+    flags: tuple[tuple[int, Expr], ...]  # number of an event, its flag
+    unknowns: tuple[Expr, ...]
+    residuals: tuple[Expr, ...]
+    jacobian: tuple[tuple[Expr, ...], ...]
+    updates: tuple[tuple[Expr, Expr], ...]  # symbol of a state, its value afterwards
+    losses: tuple[Expr, ...]  # of each flagged event: the energy that its impulse takes away, J
+    paths: tuple[Path, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
     """One row of a ranking: an energy element or a declared group, with the bonds whose powers make it up."""
@@ -137,6 +153,7 @@ class EquationSystem:
     rows: tuple[Row, ...]
     updates: tuple[tuple[Path, tuple[tuple[Expr, Expr], ...]], ...]  # controller: held value, new value
     events: tuple[SystemEvent, ...] = ()
+    impacts: Impacts | None = None
 
     def __str__(self) -> str:
         return equations_text(self)

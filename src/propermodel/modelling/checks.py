@@ -321,7 +321,11 @@ class _Check:
                     )
                 else:
                     self.expr(target, f"event {number}")
-            if not event.changes:
+            if event.restitution is not None:
+                self.expr(event.restitution, f"the restitution of event {number}")
+                if not (isinstance(d.behaviour, Resistive) and _is_one_port(d.behaviour)):
+                    self.fault("only a resistance with one port has impulses", source=event.source)
+            if not event.changes and event.restitution is None:
                 self.fault(f"event {number} changes nothing", source=event.source)
 
     def connection(self, connection: Node | HalfArrow | SignalLink | OpenPort) -> None:
@@ -364,6 +368,10 @@ class _Check:
 _PORT_VARIABLES = frozenset(
     {*(v.value for v in Variable), SymbolKind.POWER, SymbolKind.DISPLACEMENT, SymbolKind.MOMENTUM}
 )
+
+
+def _is_one_port(behaviour: Resistive) -> bool:
+    return all(len(law.results) == 1 for law in behaviour.laws)
 
 
 def _is_table(expr: Expr) -> bool:

@@ -234,7 +234,15 @@ DEFINITION = record(
     signals=many(record(SignalData, name=NAME, unit=UNIT, direction=choice(Direction))),
     behaviour=optional(BEHAVIOUR),
     discretes=many(together(NAME, UNIT, EXPR)),
-    events=many(record(Event, condition=EXPR, changes=many(together(EXPR, EXPR)), source=SOURCE)),
+    events=many(
+        record(
+            Event,
+            condition=EXPR,
+            changes=many(together(EXPR, EXPR)),
+            restitution=optional(EXPR),
+            source=SOURCE,
+        )
+    ),
     parts=many(PART),
     connections=many(CONNECTION),
     is_energy_group=BOOLEAN,

@@ -9,7 +9,7 @@ from typing import Any, cast
 from propermodel.diagnostics import Diagnostic, Involved, ModelError, Path, Source
 from propermodel.expressions.core import Expr, ExprLike, Op, SymbolKind, symbol
 from propermodel.modelling.components import call_site
-from propermodel.modelling.elements import ELEMENTS, Compliance, Inertia
+from propermodel.modelling.elements import ELEMENTS, Compliance, Inertia, Resistance
 from propermodel.modelling.model import Event
 from propermodel.modelling.signals import Controller, Discrete, SignalBlock
 from propermodel.modelling.tracing import Tracer
@@ -23,10 +23,13 @@ class When:
 
     condition: Expr
     changes: Mapping[Expr, ExprLike]
+    restitution: ExprLike | None
     source: Source
 
 
-def when(condition: Expr, changes: Mapping[Expr, ExprLike]) -> When:
+def when(
+    condition: Expr, changes: Mapping[Expr, ExprLike] | None = None, *, restitution: ExprLike | None = None
+) -> When:
     """What changes at the instant at which `condition` becomes true; `events()` of a class returns these.
 
     An event happens when its condition becomes true, and at the start of a run if it is true then; it can happen
@@ -35,8 +38,10 @@ def when(condition: Expr, changes: Mapping[Expr, ExprLike]) -> When:
     Args:
         condition: A condition of port variables, states, discrete values, inputs, parameters and time.
         changes: The value afterwards of own discrete values, own states, and the own stored displacement or momentum.
+        restitution: Of a resistance with one port: an impulse of its effort makes its flow -restitution * flow, and
+            everything that moves with it jumps; 0 stops it dead (Newton's law of restitution).
     """
-    return When(condition, changes, call_site(1))
+    return When(condition, {} if changes is None else changes, restitution, call_site(1))
 
 
 def discretes_of(tracer: Tracer) -> tuple[tuple[str, str, Expr], ...]:
@@ -75,7 +80,7 @@ def _event(tracer: Tracer, item: Any) -> Event:
         raise _refused(
             tracer, "has an event whose condition is a number", "compare: when(self.port.flow < 0.0, ...)", item.source
         )
-    if not item.changes:
+    if not item.changes and item.restitution is None:
         raise _refused(tracer, "has an event that changes nothing", "give it a mapping of new values", item.source)
     condition = tracer.resolve(item.condition)
     tracer.check(condition, "", "events")
@@ -85,7 +90,24 @@ def _event(tracer: Tracer, item: Any) -> Event:
         new = tracer.resolve(value)
         tracer.check(new, target.data.unit, "events")
         changes.append((target, new))
-    return Event(condition=condition, changes=tuple(changes), source=item.source)
+    return Event(
+        condition=condition, changes=tuple(changes), restitution=_restitution(tracer, item), source=item.source
+    )
+
+
+def _restitution(tracer: Tracer, item: When) -> Expr | None:
+    if item.restitution is None:
+        return None
+    if not issubclass(tracer.cls, Resistance):
+        raise _refused(
+            tracer,
+            "has an event with a restitution, but it is no resistance with one port",
+            "let a Resistance between both sides have the event, or change the momentum: {self.port.momentum: ...}",
+            item.source,
+        )
+    value = tracer.resolve(item.restitution)
+    tracer.check(value, "1", "events")
+    return value
 
 
 def _target(tracer: Tracer, key: Expr, source: Source) -> Expr:

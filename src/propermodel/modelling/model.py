@@ -157,10 +157,14 @@ class Sampled:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """What happens at the instant at which a condition becomes true: states and discrete values that get new values."""
+    """What happens at the instant at which a condition becomes true: states and discrete values that get new values.
+
+    With a `restitution`, an impulse acts through the port of the element: its flow becomes -restitution * flow.
+    """
 
     condition: Expr
     changes: tuple[tuple[Expr, Expr], ...]  # the symbol of a state or discrete value, its value afterwards
+    restitution: Expr | None = None
     source: Source = field(default=NO_SOURCE, compare=False)
 
 

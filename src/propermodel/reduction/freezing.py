@@ -61,6 +61,7 @@ def _needed_signals(causal: CausalGraph) -> list[Expr]:
     starts: list[Expr] = [s.derivative for s in graph.signal_states]
     starts += [value for c in graph.controllers for _, value in c.updates]
     starts += [expr for e in graph.events for expr in (e.condition, *(value for _, value in e.changes))]
+    starts += [e.restitution for e in graph.events if e.restitution is not None]
     starts += [
         value
         for target, value in definitions.values.items()

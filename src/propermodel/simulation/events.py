@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from propermodel.codegen.lower import Lowered
-from propermodel.codegen.machine import FloatArray, Machine, Memory, has_risen
+from propermodel.codegen.machine import FloatArray, IntArray, Machine, Memory, has_risen
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError
@@ -136,13 +136,18 @@ class Events:
                 self._keep_row(memory.time, signals)
                 return _stopped(memory.time) if is_stopped else self._endless(memory.time)
             is_stopped = is_stopped or self._stop in risen
-            values = self._machine.jumps(memory)
+            values = self._jumps(memory, risen)
+            struck, signals = self._strike(memory, risen, values, signals)
+            later = sum(struck.values())  # what impulses take away that has not been told yet
             for number in risen[risen != self._stop]:
                 before = self._energy(signals)
                 self._apply(memory, int(number), values)
                 signals = self._machine.observe(memory)
                 element = self._compiled.system.events[number].element
-                self._happened.append(EventRecord(memory.time, element, before, self._energy(signals)))
+                after = self._energy(signals)
+                rest = later - struck.get(int(number), 0.0)
+                self._happened.append(EventRecord(memory.time, element, before + later, after + rest))
+                later = rest
                 recent = self._recent.setdefault(element, deque(maxlen=MOST_IN_ONE_STEP))
                 recent.append(memory.time)
             guards = self._machine.guards(memory)
@@ -150,6 +155,36 @@ class Events:
         count = Counter(record.element for record in self._happened if record.time == memory.time)
         path = count.most_common(1)[0][0]
         return _chattering(path, memory.time, f"{MOST_ROUNDS} times in a row, they make each other happen at once")
+
+    def _jumps(self, memory: Memory, risen: IntArray) -> FloatArray:
+        """What these events make of the run, impulses of all of them together."""
+        impacts = self._compiled.lowered.impacts
+        for number, flag in () if impacts is None else impacts.flags:
+            memory.unknown[flag.index] = 1.0 if number in risen else 0.0
+        return self._machine.jumps(memory)
+
+    def _strike(
+        self, memory: Memory, risen: IntArray, values: FloatArray, signals: FloatArray
+    ) -> tuple[Mapping[int, float], FloatArray]:
+        """Let impulses change the states; the energy that each event loses, and the signals afterwards.
+
+        What they lose together is shared out as the work of their impulses.
+        """
+        impacts = self._compiled.lowered.impacts
+        if impacts is None or not any(number in risen for number, _ in impacts.flags):
+            return {}, signals
+        before = self._energy(signals)
+        for k, slot in enumerate(impacts.states):
+            memory.state[slot.index] = values[impacts.first + k]
+        signals = self._machine.observe(memory)
+        lost = before - self._energy(signals)
+        works = {
+            number: abs(float(values[impacts.first + len(impacts.states) + k]))
+            for k, (number, _) in enumerate(impacts.flags)
+            if number in risen
+        }
+        total = sum(works.values())
+        return {n: lost * (work / total if total else 1.0 / len(works)) for n, work in works.items()}, signals
 
     def _apply(self, memory: Memory, number: int, values: FloatArray) -> None:
         targets = self._compiled.lowered.targets

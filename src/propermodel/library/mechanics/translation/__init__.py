@@ -20,6 +20,7 @@ from propermodel.library.mechanics.translation.components import (
     Spring,
     SpringDamper,
 )
+from propermodel.library.mechanics.translation.contact import Impact
 from propermodel.library.mechanics.translation.sensors import ForceSensor, MotionSensor
 from propermodel.library.mechanics.translation.sources import Fixed, ForceSource, VelocitySource, Weight
 
@@ -33,6 +34,7 @@ __all__ = [
     "Friction",
     "GasSpring",
     "HardeningSpring",
+    "Impact",
     "Lever",
     "Mass",
     "MotionSensor",
