@@ -462,6 +462,30 @@ def test_a_run_whose_energies_are_no_numbers_does_not_end_as_completed(backend):
         )
 
 
+@pytest.mark.parametrize("backend", list(Backend))
+def test_a_condition_does_not_end_a_run_as_stopped_whose_energies_are_no_numbers(backend):
+    spring, mass, wall = Spring(stiffness=100.0), Mass(mass=1.0, start_velocity=1.0), Fixed()
+    model = system(connect(wall.flange, spring.a), connect(spring.b, mass.flange), spring=spring, mass=mass, wall=wall)
+    blown = compile_model(elaborate(model), backend=backend)
+
+    def ended(at: float):
+        return simulate(
+            blown,
+            scenario(200.0),
+            method=Method.EULER,
+            step=1.0,
+            record_every=1.0,
+            integrals_every=math.inf,
+            until=time > at,
+        )
+
+    assert ended(100.5).ending.status is RunStatus.STOPPED
+    r = ended(155.5)
+    assert r.ending.time < 157.0
+    assert r.ending.status is RunStatus.FAILED
+    assert "is no longer a finite number" in r.ending.message
+
+
 class LimitedSpring(Compliance):
     a = Port(Translation)
     b = Port(Translation)

@@ -155,7 +155,7 @@ def simulate(
         start_signals=start_signals,
         final_signals=_final_signals(machine, memory, outcome),
         memory=memory if until is None else drop_guard(memory),
-        ending=outcome if isinstance(outcome, Ending) else _ending(run_model, outcome, memory, rows),
+        ending=_ending(run_model, outcome, memory, rows),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
         events=events.records,
         notes=notes,
@@ -286,11 +286,11 @@ def _final_signals(machine: Machine, memory: Memory, outcome: Outcome | Ending |
     return np.full(machine.program.layout.lengths[Array.SIGNAL], np.nan)
 
 
-def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, rows: _Rows) -> Ending:
+def _ending(compiled: CompiledModel, outcome: Outcome | Ending | None, memory: Memory, rows: _Rows) -> Ending:
     at, overflow = memory.time, rows.overflow
     if outcome is None:
         return Ending(RunStatus.INTERRUPTED, f"interrupted at {at:.6g} s; what was computed is kept", at)
-    if overflow is None and outcome.status is Status.FINISHED:
+    if overflow is None and outcome.status in (Status.FINISHED, Status.PAUSED, Status.EVENT, RunStatus.STOPPED):
         overflow = overflow_at_end(memory)
     if overflow is not None:
         path = _of_an_element(compiled, [compiled.lowered.powers[index].path for index in overflow.powers])
@@ -301,6 +301,8 @@ def _ending(compiled: CompiledModel, outcome: Outcome | None, memory: Memory, ro
             overflow.time,
             path,
         )
+    if isinstance(outcome, Ending):
+        return outcome
     match outcome.status:
         case Status.FINISHED | Status.PAUSED | Status.EVENT:
             return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
