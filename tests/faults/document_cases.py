@@ -166,6 +166,12 @@ CASES = (
         cure="python",
     ),
     Case(
+        code="command/point",
+        run=command("linearise", f"{RIG}:QuarterCar", "--at", "1", "--equilibrium"),
+        names=("--at", "--equilibrium"),
+        cure="give one of them",
+    ),
+    Case(
         code="command/set",
         run=command("run", f"{RIG}:QuarterCar", "--set", "body.mass"),
         names=("body.mass",),

@@ -10,6 +10,7 @@ from propermodel.cli.activity import activity
 from propermodel.cli.check import check
 from propermodel.cli.demo import demo
 from propermodel.cli.faults import Commands
+from propermodel.cli.linearise import linearise
 from propermodel.cli.reduce import reduce
 from propermodel.cli.run import run
 from propermodel.cli.show import show
@@ -37,6 +38,7 @@ def common(
 app.command()(reduce)
 app.command()(run)
 app.command()(activity)
+app.command()(linearise)
 app.command()(show)
 app.command()(check)
 app.command()(demo)
