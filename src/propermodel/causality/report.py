@@ -18,11 +18,12 @@ WIDTH = 100
 # Reports name as many paths or loops of a kind, and count the others.
 MOST_LISTED = 20
 
-_DECIDED = frozenset({Why.SOURCE, Why.LAW, Why.INTEGRAL, Why.DERIVATIVE, Why.CHOICE})
+_DECIDED = frozenset({Why.SOURCE, Why.CONSTRAINT, Why.LAW, Why.INTEGRAL, Why.DERIVATIVE, Why.CHOICE})
 
 
 _REASONS = {
     Why.SOURCE: "source",
+    Why.CONSTRAINT: "closes a loop",
     Why.LAW: "only law",
     Why.INTEGRAL: "integral causality",
     Why.DERIVATIVE: "derivative causality",
@@ -148,6 +149,8 @@ class CausalReport:
         match step.why:
             case Why.SOURCE:
                 return f"{who} prescribes the {given} of {where}."
+            case Why.CONSTRAINT:
+                return f"{who} closes a kinematic loop: the {given} of {where} keeps its flow."
             case Why.LAW:
                 return f"{who} has a law for one causality only: it sets the {given} of {where}."
             case Why.INTEGRAL:
@@ -216,6 +219,9 @@ class CausalReport:
         for item in self.dependent:
             lines.append(f"dependent storage {self._place(item.storage)} follows from")
             lines += _listed([self._arrows(path) for path in item.paths])
+        if self.causal.constraints:
+            lines.append(f"kinematic loops: {len(self.causal.constraints)}, closed by")
+            lines += _listed([self._place(path) for path in self.causal.constraints])
         if self.loops:
             lines.append(f"algebraic loops: {len(self.loops)}")
             lines += _listed(
