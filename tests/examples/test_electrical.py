@@ -191,3 +191,23 @@ def test_a_rectifier_by_shockleys_law():
 
     expected = solve_ivp(rates, (0, 0.1), [0.0], "LSODA", run.time, rtol=1e-8, atol=1e-9, max_step=2e-4).y[0]
     np.testing.assert_allclose(run["load.port.effort"], expected, atol=2e-4)
+
+
+def test_a_coil_runs_down_through_a_diode():
+    run = answer("freewheeling_diode")
+    R, L, saturation, thermal, leakage = 4.0, 0.1, 1e-9, 0.02585, 1e-3
+
+    # In the voltage of the diode as the variable no law has to be inverted.
+    def current(v):
+        return saturation * np.expm1(v / thermal) + leakage * v
+
+    def rate(t, v):
+        return (-R * current(v) - v) / (L * (saturation / thermal * np.exp(v / thermal) + leakage))
+
+    start = brentq(lambda v: current(v) - 0.5, 0.0, 0.8, xtol=1e-15)
+    voltage = solve_ivp(rate, (0.0, 0.06), [start], "LSODA", run.time, rtol=1e-11, atol=1e-13).y[0]
+    np.testing.assert_allclose(run["coil.port.flow"], current(voltage), atol=1e-7)
+    np.testing.assert_allclose(run["diode.port.effort"], voltage, atol=1e-6)
+    # The docstring: through a resistor that takes as much at the start it would last longer.
+    with_resistor = 0.5 * np.exp(-(R + start / 0.5) / L * run.time)
+    assert np.all(run["coil.port.flow"][1:] < with_resistor[1:])
