@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+import propermodel
 from propermodel.cli.app import app
 
 ROOT = Path(__file__).parents[2]
@@ -61,3 +62,9 @@ def test_every_page_of_a_folder_is_in_the_table_of_contents():
     entries = (DOCS / "index.md").read_text(encoding="utf-8").splitlines()
     for page in PAGES:
         assert "/" not in page or page.removesuffix(".md") in entries, page
+
+
+def test_the_reference_describes_every_public_name_once():
+    text = (DOCS / "reference" / "api.md").read_text(encoding="utf-8")
+    described = re.findall(r"^\.\. (?:autoclass|autofunction|py:data):: propermodel\.(\w+)$", text, re.MULTILINE)
+    assert sorted(described) == sorted(propermodel.__all__)
