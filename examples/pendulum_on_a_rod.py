@@ -27,7 +27,7 @@ class Rod(pm.KinematicTransformer):
         return {self.x.displacement: self.length}
 
 
-class PendulumOnARod(pm.Component):
+class RodPendulum(pm.Component):
     """A mass held out level, and let go."""
 
     bob = PointMass(mass=2.0)
@@ -55,7 +55,7 @@ def run(model: pm.Model) -> pm.Trajectory:
 
 
 if __name__ == "__main__":
-    answer = run(pm.elaborate(PendulumOnARod()))
+    answer = run(pm.elaborate(RodPendulum()))
     pull = -answer["rod.excess.effort"].min() / (2.0 * 9.80665)
     print(f"the rod pulls with up to {pull:.4f} times the weight")
     print(f"the mass leaves its circle by less than {max(abs(answer['rod.displacement.excess'])) + 1e-12:.0e} m")
