@@ -55,3 +55,33 @@ def test_a_thermostat_switches_at_the_same_instants_with_shorter_steps():
     fine = simulate(compiled, example.scenario(), method=Method.RK4, step=0.5, record_every=10.0)
     coarse = answer("thermostat")
     assert [e.time for e in fine.events] == pytest.approx([e.time for e in coarse.events], abs=1e-5)
+
+
+def test_stacked_balls_by_impulses_at_instants_of_parabolas():
+    run = answer("stacked_balls")
+    g, masses, share = 9.80665, (0.6, 0.06), 0.9
+    place, speed, now = np.array([1.0, 0.01]), np.array([0.0, 0.0]), 0.0  # heights: of the large one, and the gap
+    hits, times, highs = [], run.time, np.full(len(run.time), np.nan)
+    while True:
+        floor = (speed[0] + math.sqrt(speed[0] ** 2 + 2.0 * g * place[0])) / g
+        closing = speed[0] - speed[1]
+        meeting = place[1] / closing if closing > 1e-9 else math.inf
+        flight = min(floor, meeting, 1.8 - now)
+        inside = (times > now + 1e-9) & (times < now + flight - 1e-9)
+        since = times[inside] - now
+        highs[inside] = place.sum() + speed[1] * since - g * since**2 / 2
+        place = np.array([place[0] + speed[0] * flight - g * flight**2 / 2, place[1] - closing * flight])
+        speed, now = speed - g * flight, now + flight
+        if now >= 1.8:
+            break
+        if floor < meeting:
+            place[0], speed[0] = 0.0, -share * speed[0]
+        else:
+            impulse = (1.0 + share) * (speed[0] - speed[1]) / (1.0 / masses[0] + 1.0 / masses[1])
+            place[1], speed = 0.0, speed + np.array([-impulse / masses[0], impulse / masses[1]])
+        hits.append(now)
+    assert [event.time for event in run.events] == pytest.approx(hits, abs=1e-9)
+    seen = ~np.isnan(highs)
+    assert seen.sum() > 150
+    np.testing.assert_allclose(run["small_height.position"][seen], highs[seen], atol=1e-8)
+    assert highs[seen].max() > 2.0 * 1.01
