@@ -16,6 +16,7 @@ from propermodel.library.mechanics.rotation.components import (
     TorsionSpring,
     ViscousFriction,
 )
+from propermodel.library.mechanics.rotation.friction import LockingClutch, StickingFriction
 from propermodel.library.mechanics.rotation.machines import (
     BeltDrive,
     Differential,
@@ -38,6 +39,7 @@ __all__ = [
     "FixedShaft",
     "Gear",
     "GravityPendulum",
+    "LockingClutch",
     "LossyGear",
     "ModulatedGear",
     "PlanetaryGear",
@@ -48,6 +50,7 @@ __all__ = [
     "RotationalSpringDamper",
     "SlippingClutch",
     "SpeedSource",
+    "StickingFriction",
     "StribeckFriction",
     "TorqueDrivenLoss",
     "TorqueGivenLoss",

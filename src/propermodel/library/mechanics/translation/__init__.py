@@ -21,6 +21,7 @@ from propermodel.library.mechanics.translation.components import (
     SpringDamper,
 )
 from propermodel.library.mechanics.translation.contact import Impact
+from propermodel.library.mechanics.translation.friction import StickingFriction
 from propermodel.library.mechanics.translation.sensors import ForceSensor, MotionSensor
 from propermodel.library.mechanics.translation.sources import Fixed, ForceSource, VelocitySource, Weight
 
@@ -42,6 +43,7 @@ __all__ = [
     "QuadraticDrag",
     "Spring",
     "SpringDamper",
+    "StickingFriction",
     "VelocitySource",
     "Weight",
 ]
