@@ -192,6 +192,18 @@ def law_missing() -> object:
     return elaborate(made({"spring": LawlessSpring()})())
 
 
+class PushingDamper(Resistance):
+    port = Port(Translation)
+    force: Parameter = parameter("N", default=1.0)
+
+    def residual(self, effort, flow):
+        return effort - self.force
+
+
+def implicit_law_of_a_source() -> object:
+    return elaborate(made({"damper": PushingDamper()})())
+
+
 class WrongSpring(Compliance):
     port = Port(Translation)
     stiffness: Parameter = parameter("N/m", default=1.0)
@@ -420,6 +432,13 @@ CASES = (
         names=("LawlessSpring", "effort(displacement)"),
         at="class LawlessSpring",
         cure="define the law",
+    ),
+    Case(
+        code="model/implicit-law",
+        run=implicit_law_of_a_source,
+        names=("PushingDamper.residual", "flow"),
+        at="def residual(self, effort, flow)",
+        cure="EffortSource",
     ),
     Case(
         code="model/dimension",

@@ -115,9 +115,59 @@ class Lawless(Resistance):
 def test_resistance_without_a_law():
     fault = fault_of(Lawless())
     assert fault.code == "model/law-missing"
-    assert fault.message == "Lawless has no law: neither effort(flow) nor flow(effort)"
+    assert fault.message == "Lawless has no law: neither effort(flow) nor flow(effort) nor residual(effort, flow)"
     assert fault.help == "define the law as a method of the class"
     assert fault.source.file == "tests/modelling/test_tracing.py"
+
+
+class Implicit(Resistance):
+    port = Port(Translation)
+    damping: Parameter = parameter("N.s/m")
+    force: Parameter = parameter("N")
+
+    def residual(self, effort: Expr, flow: Expr) -> Expr:
+        return effort + effort * absolute(effort) / self.force - self.damping * flow
+
+
+def test_an_implicit_law_gives_openly_what_it_is_linear_in():
+    behaviour = behaviour_of(Implicit(damping=2.0, force=5.0))
+    assert isinstance(behaviour, Resistive)
+    (law,) = behaviour.laws
+    assert law.results[0].variable is Variable.FLOW
+    assert value(law.results[0].value, effort=-10.0, damping=2.0, force=5.0) == -15.0
+    (residual,) = behaviour.implicit
+    assert value(residual, effort=-10.0, flow=-15.0, damping=2.0, force=5.0) == 0.0
+
+
+def test_a_law_next_to_an_implicit_one_is_used_as_given():
+    class Given(Implicit):
+        def effort(self, flow: Expr) -> Expr:
+            return self.damping * flow
+
+    behaviour = behaviour_of(Given(damping=2.0, force=5.0))
+    assert isinstance(behaviour, Resistive)
+    assert [law.results[0].variable for law in behaviour.laws] == [Variable.EFFORT, Variable.FLOW]
+    assert behaviour.implicit == ()
+
+
+def test_an_implicit_law_is_checked_for_dimensions():
+    class Mixed(Implicit):
+        def residual(self, effort: Expr, flow: Expr) -> Expr:
+            return effort + effort * effort - self.damping * flow
+
+    fault = fault_of(Mixed(damping=2.0, force=5.0))
+    assert fault.code == "model/dimension"
+    assert "Mixed.residual is not dimensionally consistent" in fault.message
+
+
+def test_an_implicit_law_without_the_flow_is_that_of_a_source():
+    class Source(Implicit):
+        def residual(self, effort: Expr, flow: Expr) -> Expr:
+            return effort - self.force
+
+    fault = fault_of(Source(damping=2.0, force=5.0))
+    assert fault.code == "model/implicit-law"
+    assert fault.message == "the implicit law Source.residual does not depend on the flow"
 
 
 class Converter(MultiportResistance):

@@ -55,7 +55,11 @@ class Scope:
                     ResistanceLaw(results=tuple(replace(r, value=self(r.value)) for r in law.results))
                     for law in behaviour.laws
                 )
-                return Resistive(laws=laws, locked=None if behaviour.locked is None else self(behaviour.locked))
+                return Resistive(
+                    laws=laws,
+                    locked=None if behaviour.locked is None else self(behaviour.locked),
+                    implicit=tuple(self(residual) for residual in behaviour.implicit),
+                )
             case Storage():
                 return replace(
                     behaviour,

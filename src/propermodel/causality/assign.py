@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Stroke, Why
 from propermodel.causality.closures import closures
+from propermodel.causality.implicit import Given, implicit_causalities
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path, StructureError
 from propermodel.modelling.model import (
     ElementKind,
@@ -46,8 +47,8 @@ def assign_causality(
             else:
                 work.fix(element, work.source_pattern(element), Why.SOURCE)
     for element in elements:
-        if isinstance(element.behaviour, Resistive) and len(element.behaviour.laws) == 1:
-            work.fix(element, work.law_patterns(element)[0], Why.LAW)
+        if isinstance(element.behaviour, Resistive) and len(patterns := work.law_patterns(element)) == 1:
+            work.fix(element, patterns[0], Why.LAW)
     storages = [e for e in elements if isinstance(e.behaviour, Storage)]
     if order is not None:
         place = {path: number for number, path in enumerate(order)}
@@ -95,6 +96,7 @@ class Assignment:
         self.at = graph.normal.at()
         self.strokes: dict[Path, Stroke] = {}
         self.trail: list[Path] = []
+        self.offered: dict[Path, list[Pattern]] = {}
 
     # -- patterns ----------------------------------------------------------------------------------
 
@@ -111,17 +113,23 @@ class Assignment:
         return {bond.name: element.kind is ElementKind.FLOW_SOURCE for bond in self.at[element.path]}
 
     def law_patterns(self, element: Element) -> list[Pattern]:
-        """The strokes that each law of a resistance needs."""
-        assert isinstance(element.behaviour, Resistive)
-        patterns: list[Pattern] = []
-        for law in element.behaviour.laws:
-            pattern: Pattern = {}
-            for result in law.results:
-                bond = self.bond_of(element, result.port)
-                if bond is not None:
-                    pattern[bond.name] = result.variable is Variable.FLOW
-            patterns.append(pattern)
-        return patterns
+        """The strokes that each law of a resistance needs; those that its implicit law allows come last."""
+        known = self.offered.get(element.path)
+        if known is None:
+            assert isinstance(element.behaviour, Resistive)
+            explicit = (tuple((r.port, r.variable) for r in law.results) for law in element.behaviour.laws)
+            known = [self.pattern_of(element, given) for given in (*explicit, *implicit_causalities(element))]
+            self.offered[element.path] = known
+        return known
+
+    def pattern_of(self, element: Element, given: Given) -> Pattern:
+        """The strokes of an element that gives these variables at its ports."""
+        pattern: Pattern = {}
+        for port, variable in given:
+            bond = self.bond_of(element, port)
+            if bond is not None:
+                pattern[bond.name] = variable is Variable.FLOW
+        return pattern
 
     def storage_pattern(self, element: Element, integral: bool) -> Pattern:
         """The strokes of a storage in integral or derivative causality."""
@@ -341,8 +349,8 @@ class Assignment:
         behaviour = element.behaviour
         if isinstance(behaviour, PowerSource):
             return Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
-        if isinstance(behaviour, Resistive) and len(behaviour.laws) == 1 and len(behaviour.laws[0].results) == 1:
-            return behaviour.laws[0].results[0].variable
+        if isinstance(behaviour, Resistive) and len(patterns := self.law_patterns(element)) == 1 == len(element.ports):
+            return Variable.FLOW if next(iter(patterns[0].values())) else Variable.EFFORT
         return None
 
     def word(self, bond: Bond, variable: Variable) -> str:
@@ -358,7 +366,7 @@ class Assignment:
             return f"prescribes its {self.word(self.at[element.path][0], Variable.FLOW)}"
         if element.kind is ElementKind.EFFORT_SOURCE:
             return f"prescribes its {self.word(self.at[element.path][0], Variable.EFFORT)}"
-        if isinstance(element.behaviour, Resistive) and len(element.behaviour.laws) == 1:
+        if isinstance(element.behaviour, Resistive) and element.behaviour.laws and len(self.law_patterns(element)) == 1:
             given = (f"{result.port}.{result.variable}" for result in element.behaviour.laws[0].results)
             return f"offers a law for {' and '.join(given)} only"
         return f"is a {element.kind} element that forces a stroke"

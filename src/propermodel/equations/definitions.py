@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure
 from propermodel.causality.causal import CausalGraph
+from propermodel.causality.implicit import pair
 from propermodel.diagnostics import Path, StructureError
 from propermodel.equations.system import BlockKind
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol, where
@@ -59,12 +60,12 @@ class Dependent:
 
 @dataclass(frozen=True, slots=True)
 class Implied:
-    """A law that answers with what it takes: the unknown is where the law gives the value that its port has."""
+    """A variable that a law gives without being solved for it: the unknown that makes the residual vanish."""
 
     element: Element
     unknown: Expr
-    law: Expr
-    value: Expr
+    residual: Expr
+    kind: BlockKind = BlockKind.LOOP
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,6 +233,9 @@ def _define_resistance(
         bond = ports[result.port]
         return bond is None or causal.receives_effort(bond, element) is (result.variable is Variable.FLOW)
 
+    if not any(all(map(fits, law.results)) for law in behaviour.laws) and behaviour.implicit:
+        _define_implicit(found, causal, variables, element, behaviour, ports)
+        return
     law = max(behaviour.laws, key=lambda law: sum(map(fits, law.results)))
     for result in law.results:
         bond = ports[result.port]
@@ -241,7 +245,7 @@ def _define_resistance(
         if not fits(result):
             answer = variables.of(bond, result.variable.other)
             unknown = symbol(SymbolKind.UNKNOWN, answer.data.path, answer.data.unit)
-            found.implied.append(Implied(element, unknown, result.value, target))
+            found.implied.append(Implied(element, unknown, target - result.value))
             found.values[answer] = unknown
         elif behaviour.locked is not None and result.variable is Variable.EFFORT:
             flow = variables.of(bond, Variable.FLOW)
@@ -267,6 +271,32 @@ def _held_when_locked(behaviour: Resistive, result: Result) -> Expr:
     if behaviour.locked is None or result.variable is Variable.EFFORT:
         return result.value
     return where(behaviour.locked, ZERO, result.value)
+
+
+def _define_implicit(
+    found: Definitions,
+    causal: CausalGraph,
+    variables: Variables,
+    element: Element,
+    behaviour: Resistive,
+    ports: dict[str, Bond | None],
+) -> None:
+    """Let the implicit law of a resistance give what its strokes ask for."""
+    given: list[tuple[str, Variable]] = []
+    targets: list[Expr] = []
+    for port in element.ports:
+        bond = ports[port]
+        assert bond is not None
+        variable = Variable.FLOW if causal.receives_effort(bond, element) else Variable.EFFORT
+        given.append((port, variable))
+        targets.append(variables.of(bond, variable))
+    residuals = pair(element, behaviour, tuple(given))
+    if residuals is None:
+        raise AssertionError(f"no law of {element.path} fits its strokes")
+    for target, residual in zip(targets, residuals, strict=True):
+        unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+        found.values[target] = unknown
+        found.implied.append(Implied(element, unknown, residual, BlockKind.IMPLICIT))
 
 
 def _define_storage(
@@ -295,7 +325,7 @@ def _define_storage(
         elif expr == state:
             content = symbol(SymbolKind.UNKNOWN, Path((*element.path, port, coordinate.name)), coordinate.unit)
             found.values[state] = content
-            found.implied.append(Implied(element, content, dict(behaviour.outputs)[port], given))
+            found.implied.append(Implied(element, content, given - dict(behaviour.outputs)[port]))
         else:
             raise _mixed_coordinates(element)
         found.dependents.append(Dependent(element, coordinate, unknown, state))

@@ -204,13 +204,13 @@ def _dependents(
 
 
 def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr]) -> list[Unknown]:
-    """Every unknown with its residual: torn loops, dependent storage, locked resistances, closed loops."""
+    """Every unknown with its residual: torn loops, laws to be solved, dependent storage, locks, closed loops."""
     found = [
         Unknown(unknown, unknown - resolution.torn_value(unknown), _owner(target), BlockKind.LOOP)
         for unknown, target in resolution.torn.items()
     ]
     found += [
-        Unknown(implied.unknown, resolution.complete(implied.value - implied.law), implied.element.path, BlockKind.LOOP)
+        Unknown(implied.unknown, resolution.complete(implied.residual), implied.element.path, implied.kind)
         for implied in definitions.implied
     ]
     found += [

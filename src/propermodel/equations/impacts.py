@@ -94,7 +94,7 @@ def impacts_of(
 def _answers(definitions: Definitions, resolution: Resolution) -> list[_Bearer]:
     """Dependent storage and kinematic closures."""
     found = [
-        _Bearer(item.element, item.unknown, resolution.values[item.stored], is_reaction=True)
+        _Bearer(item.element, item.unknown, resolution.complete(item.stored), is_reaction=True)
         for item in definitions.dependents
     ]
     found += [
@@ -122,10 +122,7 @@ class _Web:
         self.states = states
         self.algebraic: Mapping[Expr, frozenset[Expr]] = {
             **{unknown: frozenset(leaves(resolution.torn_value(unknown))) for unknown in resolution.torn},
-            **{
-                item.unknown: frozenset(leaves(resolution.complete(item.value - item.law)))
-                for item in definitions.implied
-            },
+            **{item.unknown: frozenset(leaves(resolution.complete(item.residual))) for item in definitions.implied},
         }
         self.slopes: dict[Expr, dict[Expr, Expr]] = {}  # of the unknown: state, slope of its rate
 

@@ -151,7 +151,7 @@ def _looped_variables(causal: CausalGraph) -> int:
 def _answers_itself(causal: CausalGraph) -> bool:
     """Whether the content of dependent storage follows from what dependent storage answers: a higher index."""
     found = define(causal)
-    sources = found.values | {item.unknown: item.value - item.law for item in found.implied}
+    sources = found.values | {item.unknown: item.residual for item in found.implied}
     answers = {dependent.unknown for dependent in found.dependents}
     pending = [dependent.stored for dependent in found.dependents]
     seen: set[Expr] = set(pending)

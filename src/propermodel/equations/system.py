@@ -43,6 +43,7 @@ class BlockKind(StrEnum):
     DEPENDENT = "dependent storage"
     LOCK = "locked resistance"
     CONSTRAINT = "kinematic constraint"
+    IMPLICIT = "implicit law"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -251,9 +251,13 @@ class _Check:
                 pass
 
     def resistive(self, behaviour: Resistive, ports: list[str]) -> None:
-        """Every law gives one variable of each port."""
-        if not behaviour.laws or not ports:
+        """Every law gives one variable of each port; an implicit law has as many parts as ports."""
+        if not (behaviour.laws or behaviour.implicit) or not ports:
             self.fault("a resistance needs a port and a law")
+        for residual in behaviour.implicit:
+            self.expr(residual, "the implicit law")
+        if behaviour.implicit and len(behaviour.implicit) != len(ports):
+            self.fault(f"an implicit law has one part for each port, this has {len(behaviour.implicit)}")
         for number, law in enumerate(behaviour.laws):
             self.names((r.port for r in law.results), ports, f"law {number + 1}", all_of=True)
             for result in law.results:

@@ -121,7 +121,12 @@ RESULT = record(Result, port=NAME, variable=VARIABLE, value=EXPR)
 BEHAVIOUR = tagged(
     resistance=(
         Resistive,
-        record(Resistive, laws=many(record(ResistanceLaw, results=many(RESULT))), locked=optional(EXPR)),
+        record(
+            Resistive,
+            laws=many(record(ResistanceLaw, results=many(RESULT))),
+            locked=optional(EXPR),
+            implicit=many(EXPR),
+        ),
     ),
     storage=(
         Storage,

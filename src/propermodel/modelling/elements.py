@@ -18,6 +18,7 @@ PortValues = Mapping[Port[D], ExprLike]
 class Resistance(Component):
     """A one-port R: `effort(flow)`, `flow(effort)`, or both; a linear law is inverted for the author.
 
+    `residual(effort, flow)` gives an implicit law, 0 = g(effort, flow), for the causalities without a law.
     `locked()` may give a condition under which the flow is held at its value near zero (a clutch that has
     closed). An element that gives its flow, because a compliance or source sets its effort, stands still at once.
     """
@@ -27,12 +28,17 @@ class MultiportResistance(Component):
     """A multiport R: `laws()` gives one mapping for each causality.
 
     Each mapping gives one variable of every port, `{self.shaft.effort: ..., self.oil.flow: ...}`, in terms of
-    the other variables (`self.shaft.flow`, `self.oil.effort`).
+    the other variables (`self.shaft.flow`, `self.oil.effort`). `residuals()` gives an implicit law, one expression
+    of efforts and flows per port that vanishes, for the causalities without a law.
     """
 
     def laws(self) -> tuple[Mapping[Expr, ExprLike], ...]:
         """One mapping for each causality offered."""
-        raise TypeError(f"{type(self).__name__} must define laws()")
+        return ()
+
+    def residuals(self) -> tuple[ExprLike, ...]:
+        """One expression per port that vanishes."""
+        return ()
 
 
 class Compliance(Component):

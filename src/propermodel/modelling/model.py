@@ -84,10 +84,14 @@ class ResistanceLaw:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resistive:
-    """A resistance: a law for each causality it can take; while `locked` holds, its flow is held."""
+    """A resistance: a law for each causality it can take; while `locked` holds, its flow is held.
+
+    `implicit` holds one expression per port that vanishes, 0 = g(efforts, flows); it serves where no law fits.
+    """
 
     laws: tuple[ResistanceLaw, ...]
     locked: Expr | None = None
+    implicit: tuple[Expr, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -152,6 +152,19 @@ class Tracer:
                 return
             due = f"{unit or '1'} ({dimension_text(expected)})"
             problem = f"it has the dimension {dimension_text(found)} where {due} is due"
+        self.inconsistent(method, problem)
+
+    def residual(self, given: ExprLike, method: str) -> Expr:
+        """A part of an implicit law, checked to be dimensionally consistent; it may have any dimension."""
+        value = self.resolve(given)
+        try:
+            dimension_of(value)
+        except DimensionMismatch as mismatch:
+            self.inconsistent(method, str(mismatch))
+        return value
+
+    def inconsistent(self, method: str, problem: str) -> None:
+        """Remember a law whose dimensions do not fit."""
         self.faults.add(
             Diagnostic(
                 "model/dimension",
@@ -254,9 +267,18 @@ def _resistance(tracer: Tracer) -> Resistive:
     flow = variable_symbol(name, Variable.FLOW, port.domain)
     effort_law = tracer.law("effort", port.domain.effort_unit, flow) if tracer.has("effort") else None
     flow_law = tracer.law("flow", port.domain.flow_unit, effort) if tracer.has("flow") else None
-    if effort_law is None and flow_law is None:
-        raise tracer.missing("law: neither effort(flow) nor flow(effort)")
-    if flow_law is None and effort_law is not None:
+    implicit: tuple[Expr, ...] = ()
+    if tracer.has("residual"):
+        residual = tracer.residual(tracer.call("residual", effort, flow), "residual")
+        tracer.faults.raise_if_any()
+        _check_mentions(tracer, residual, effort, flow)
+        # Where the implicit law is linear in a variable it gives that variable; otherwise it is solved for it.
+        effort_law = linear_inverse(residual, effort, ZERO) if effort_law is None else effort_law
+        flow_law = linear_inverse(residual, flow, ZERO) if flow_law is None else flow_law
+        implicit = (residual,) if effort_law is None or flow_law is None else ()
+    elif effort_law is None and flow_law is None:
+        raise tracer.missing("law: neither effort(flow) nor flow(effort) nor residual(effort, flow)")
+    elif flow_law is None and effort_law is not None:
         flow_law = linear_inverse(effort_law, flow, effort)
     elif effort_law is None and flow_law is not None:
         effort_law = linear_inverse(flow_law, effort, flow)
@@ -266,7 +288,22 @@ def _resistance(tracer: Tracer) -> Resistive:
         if law is not None
     ]
     locked = tracer.resolve(tracer.call("locked")) if tracer.has("locked") else None
-    return Resistive(laws=tuple(laws), locked=locked)
+    if locked is not None and effort_law is None:
+        raise tracer.missing("law effort(flow), which an element with locked() needs")
+    return Resistive(laws=tuple(laws), locked=locked, implicit=implicit)
+
+
+def _check_mentions(tracer: Tracer, residual: Expr, effort: Expr, flow: Expr) -> None:
+    """Refuse an implicit law without effort or without flow: it is that of a source."""
+    for variable in (effort, flow):
+        if variable not in leaves(residual):
+            name = variable.data.path.name
+            raise ModelError.of(
+                "model/implicit-law",
+                f"the implicit law {tracer.cls.__name__}.residual does not depend on the {name}",
+                source=tracer.place("residual"),
+                help="a law that leaves one variable free is that of a source: write an EffortSource or FlowSource",
+            )
 
 
 def _multiport_resistance(tracer: Tracer) -> Resistive:
@@ -280,7 +317,14 @@ def _multiport_resistance(tracer: Tracer) -> Resistive:
             results.append(Result(port=port, variable=Variable(variable), value=expr))
         results.sort(key=lambda r: tracer.element_ports.index(r.port))
         laws.append(ResistanceLaw(results=tuple(results)))
-    return Resistive(laws=tuple(laws))
+    implicit = tuple(tracer.residual(given, "residuals") for given in tracer.call("residuals"))
+    if not laws and not implicit:
+        raise tracer.missing("law: neither laws() nor residuals()")
+    if implicit and len(implicit) != len(tracer.element_ports):
+        raise tracer.missing(
+            f"residual for every port: {len(implicit)} for the ports {', '.join(tracer.element_ports)}"
+        )
+    return Resistive(laws=tuple(laws), implicit=implicit)
 
 
 def _limits(tracer: Tracer) -> tuple[Expr, Expr]:
