@@ -37,6 +37,7 @@ from propermodel import (
     run_study,
     simulate,
 )
+from propermodel.library.electrical import CoupledInductors, Ground, Resistor
 from propermodel.modelling.model import Variable
 from tests.faults.case import Case
 from tests.parts import Mass, SpringDamper
@@ -220,10 +221,35 @@ def partial_field() -> object:
     return compile_model(elaborate(Coupled()).without([ConstantEffort(pm.Path(("field", "a")), 0.0)]))
 
 
+class CoilPair(Component):
+    """Two coils with a coupling of one."""
+
+    coils = CoupledInductors(primary_inductance=4.0, secondary_inductance=1.0, mutual_inductance=2.0)
+    first = Resistor(resistance=1.0)
+    second = Resistor(resistance=1.0)
+    ground = Ground()
+    connections = (
+        connect(coils.primary_a, first.a),
+        connect(coils.secondary_a, second.a),
+        connect(coils.primary_b, coils.secondary_b, first.b, second.b, ground.pin),
+    )
+
+
+def fully_coupled() -> object:
+    return simulate(compile_model(elaborate(CoilPair())), Scenario(stop=1.0))
+
+
 SPRING = pm.Path(("suspension", "spring", "port"))
 BODY = pm.Path(("body", "flange"))
 
 CASES = (
+    Case(
+        code="simulation/singular-field",
+        run=fully_coupled,
+        names=("coils", "primary and secondary", "mutual_inductance = 2 H"),
+        at="coils = CoupledInductors(",
+        cure="transformer",
+    ),
     Case(code="simulation/window", run=lambda: with_scenario(stop=0.0), names=("step", "0"), cure="later stop"),
     Case(
         code="simulation/step",

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Stroke, Why
 from propermodel.causality.closures import closures
+from propermodel.causality.fields import field_causalities
 from propermodel.causality.implicit import Given, implicit_causalities
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path, StructureError
 from propermodel.modelling.model import (
@@ -153,12 +154,26 @@ class Assignment:
             if self.attempt(element, self.storage_pattern(element, integral=True), Why.INTEGRAL):
                 integral.append(element.path)
                 continue
-            self.fix(element, self.storage_pattern(element, integral=False), Why.DERIVATIVE)
             derivative.append(element.path)
+            if len(element.ports) > 1 and self.assign_field(element):
+                continue
+            self.fix(element, self.storage_pattern(element, integral=False), Why.DERIVATIVE)
             assert isinstance(element.behaviour, Storage)
             if element.behaviour.inverse is None:
                 raise self.no_inverse(element)
         return integral, derivative
+
+    def assign_field(self, element: Element) -> bool:
+        """Derivative causality at as few ports of a field as possible, integral at the others."""
+        whole = self.storage_pattern(element, integral=True)
+        for ports in field_causalities(element):
+            derivative = {name: not into for name, into in whole.items() if name.name in ports}
+            integral = {name: into for name, into in whole.items() if name.name not in ports}
+            mark = len(self.trail)
+            if self.attempt(element, integral, Why.INTEGRAL) and self.attempt(element, derivative, Why.DERIVATIVE):
+                return True
+            self.undo(mark)
+        return False
 
     def choose(self, element: Element) -> None:
         """Give a resistance the first law that fits."""
@@ -208,9 +223,11 @@ class Assignment:
         return True
 
     def assign(self, element: Element, pattern: Pattern, why: Why) -> None:
-        """Assign the strokes of an element and what follows from them."""
+        """Assign strokes of an element and what follows from them."""
         touched: list[Path] = [element.path]
         for bond in self.at[element.path]:
+            if bond.name not in pattern:
+                continue
             receiver = element.path if pattern[bond.name] else bond.other(element.path).owner
             if self.set(bond, receiver, why, element.path):
                 touched.append(bond.other(element.path).owner)

@@ -36,10 +36,14 @@ class Inversion:
     def _look(self, element: Element) -> bool:
         behaviour = element.behaviour
         if isinstance(behaviour, Resistive):
-            return behaviour.locked is None and not behaviour.implicit and all(
-                self._is_monotone(result.value, _port_variable(element, result.port, result.variable.other))
-                for law in behaviour.laws[:1]
-                for result in law.results
+            return (
+                behaviour.locked is None
+                and not behaviour.implicit
+                and all(
+                    self._is_monotone(result.value, _port_variable(element, result.port, result.variable.other))
+                    for law in behaviour.laws[:1]
+                    for result in law.results
+                )
             )
         if not isinstance(behaviour, Storage):
             return False

@@ -85,6 +85,11 @@ class Signals:
         """The variables that an element takes."""
         return [(name, variable.other) for name, variable in self.given_by(place)]
 
+    def deciding(self, place: Path) -> list[Signal]:
+        """The variables that decide a dependent storage: those that it takes and its law would give."""
+        element = self.structure.elements[place]
+        return [taken for taken in self.taken_by(place) if self.is_integral(element, taken)]
+
     def _output(self, bond: Bond, place: Path) -> Signal:
         receives = self.causal.strokes[bond.name].effort_into == place
         return bond.name, Variable.FLOW if receives else Variable.EFFORT
@@ -99,7 +104,10 @@ class Signals:
         element = self.structure.elements.get(self.setter(signal))
         if element is None or isinstance(element.behaviour, PowerSource | TwoPort):
             return False
-        return not (isinstance(element.behaviour, Storage) and self.is_integral(element, signal))
+        if isinstance(element.behaviour, Storage) and self.is_integral(element, signal):
+            # A field that is a state at some ports only answers there at once to what the others take.
+            return element.path in self.causal.derivative
+        return True
 
     def follows_from(self, signal: Signal) -> list[Signal]:
         """The variables that junctions and two-ports make a variable from; none where an element sets it."""
@@ -117,7 +125,10 @@ class Signals:
     def follows_at_once(self, signal: Signal) -> list[Signal]:
         """The same, also through the laws of resistances and dependent storage."""
         if self.is_memoryless(signal):
-            return self.taken_by(self.setter(signal))
+            place = self.setter(signal)
+            element = self.structure.elements[place]
+            is_kept = isinstance(element.behaviour, Storage) and self.is_integral(element, signal)
+            return self.deciding(place) if is_kept else self.taken_by(place)
         return self.follows_from(signal)
 
     def _at_junction(self, place: Path, kind: JunctionKind, signal: Signal) -> list[Signal]:
@@ -153,7 +164,7 @@ class Signals:
     def dependent_storage(self) -> list[DependentPath]:
         """Every storage in derivative causality with what decides it."""
         return [
-            DependentPath(path, tuple(found for taken in self.taken_by(path) for found in self.influences(taken)))
+            DependentPath(path, tuple(found for taken in self.deciding(path) for found in self.influences(taken)))
             for path in self.causal.derivative
         ]
 

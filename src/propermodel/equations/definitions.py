@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure
 from propermodel.causality.causal import CausalGraph
+from propermodel.causality.fields import Mixed
 from propermodel.causality.implicit import pair
-from propermodel.diagnostics import Path, StructureError
+from propermodel.diagnostics import Path
+from propermodel.equations.fields import causality_of, decide
 from propermodel.equations.system import BlockKind
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol, where
 from propermodel.modelling.model import (
@@ -52,7 +54,7 @@ class Dependent:
     """Storage in derivative causality: its stored quantity, whose rate is the unknown it answers with."""
 
     element: Element
-    coordinate: Coordinate
+    coordinate: Coordinate  # what its author declared a start for
     unknown: Expr
     stored: Expr  # the stored quantity, whose rate the unknown is
     kind: BlockKind = BlockKind.DEPENDENT
@@ -311,29 +313,26 @@ def _define_storage(
     output = Variable.EFFORT if is_c else Variable.FLOW
     kind = SymbolKind.DISPLACEMENT if is_c else SymbolKind.MOMENTUM
     stored = dict(behaviour.stored)
-    stated = {port for port in stored if port not in dependent_ports(causal, element, ports)}
-    for (port, expr), coordinate in zip(stored.items(), behaviour.coordinates, strict=True):
+    domain_unit = {"displacement": "displacement_unit", "momentum": "momentum_unit"}[kind.value]
+    causality = causality_of(causal, element)
+    decided = set[str]() if causality is None else {port for port, _ in causality.derivative}
+    if causality is not None and behaviour.inverse is not None:
+        ((port, _),) = stored.items()
         bond = ports[port]
-        if port in stated or bond is None:
-            continue
-        target, given = variables.of(bond, output.other), variables.of(bond, output)
+        assert bond is not None
+        (coordinate,) = behaviour.coordinates
+        target = variables.of(bond, output.other)
         unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
         state = symbol(SymbolKind.STATE, element.path / coordinate.name, coordinate.unit)
         found.values[target] = unknown
-        if behaviour.inverse is not None:
-            found.values[state] = behaviour.inverse
-        elif expr == state:
-            content = symbol(SymbolKind.UNKNOWN, Path((*element.path, port, coordinate.name)), coordinate.unit)
-            found.values[state] = content
-            found.implied.append(Implied(element, content, given - dict(behaviour.outputs)[port]))
-        else:
-            raise _mixed_coordinates(element)
+        found.values[state] = behaviour.inverse
         found.dependents.append(Dependent(element, coordinate, unknown, state))
+    elif causality is not None:
+        _define_decided(found, causal, variables, element, behaviour, causality)
     for port, law in behaviour.outputs:
         bond = ports[port]
-        if bond is not None and port in stated:
+        if bond is not None and port not in decided:
             found.values[variables.of(bond, output)] = law
-    domain_unit = {"displacement": "displacement_unit", "momentum": "momentum_unit"}[kind.value]
     for port, expr in stored.items():
         bond = ports[port]
         if bond is not None:
@@ -341,21 +340,27 @@ def _define_storage(
             found.values[symbol(kind, element.path / port / kind.value, unit)] = expr
 
 
-def dependent_ports(causal: CausalGraph, element: Element, ports: Mapping[str, Bond | None]) -> frozenset[str]:
-    """The ports of a storage where the rest of the graph decides what its law gives."""
-    receives = element.kind is ElementKind.COMPLIANCE
-    return frozenset(
-        port for port, bond in ports.items() if bond is not None and causal.receives_effort(bond, element) is receives
-    )
-
-
-def _mixed_coordinates(element: Element) -> StructureError:
-    return StructureError.of(
-        "causality/no-inverse",
-        f"{element.path} depends on other storage, and its coordinates are not what its ports store",
-        source=element.source,
-        help="choose the stored quantities of its ports as coordinates, or let it have its own effort or flow",
-    )
+def _define_decided(
+    found: Definitions,
+    causal: CausalGraph,
+    variables: Variables,
+    element: Element,
+    behaviour: Storage,
+    causality: Mixed,
+) -> None:
+    """Let what is given at ports in derivative causality decide coordinates, whose rates are the answer there."""
+    output = Variable.EFFORT if behaviour.kind is ElementKind.COMPLIANCE else Variable.FLOW
+    bonds = {port: causal.graph.normal.bonds[element.path / port] for port, _ in causality.derivative}
+    given = {port: variables.of(bond, output) for port, bond in bonds.items()}
+    decided = decide(element, behaviour, causality, given)
+    found.values.update(decided.values)
+    found.implied.extend(Implied(element, unknown, residual) for unknown, residual in decided.unknowns)
+    stored = dict(behaviour.stored)
+    for port, coordinate in causality.derivative:
+        target = variables.of(bonds[port], output.other)
+        unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
+        found.values[target] = unknown
+        found.dependents.append(Dependent(element, coordinate, unknown, stored[port]))
 
 
 # -- bonds that simplification took away ---------------------------------------------------------------

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 from propermodel.bondgraph.graph import Element
 from propermodel.causality.causal import CausalGraph
+from propermodel.causality.fields import Mixed
 from propermodel.diagnostics import Diagnostic, Involved, Path, Source, StructureError
 from propermodel.equations.closures import closures_of, positions_of
 from propermodel.equations.condense import condense
-from propermodel.equations.definitions import Definitions, Variables, define, dependent_ports
+from propermodel.equations.definitions import Definitions, Variables, define
 from propermodel.equations.events import SystemEvent, system_events
+from propermodel.equations.fields import causality_of, is_coordinate, state_symbol
 from propermodel.equations.impacts import impacts_of
 from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution, strong_components
@@ -58,6 +60,16 @@ class Unknown:
     kind: BlockKind
 
 
+@dataclass(frozen=True, slots=True)
+class Inflow:
+    """A rate that is an unknown: what is stored changes by the inflow."""
+
+    element: Element
+    unknown: Expr
+    stored: Expr
+    inflow: Expr
+
+
 def formulate(causal: CausalGraph) -> EquationSystem:
     """The equations of a causal graph.
 
@@ -66,8 +78,8 @@ def formulate(causal: CausalGraph) -> EquationSystem:
     """
     definitions = define(causal)
     resolution = Resolution(definitions.values, definitions.laws)
-    states, rates = _states(causal, resolution)
-    unknowns = _unknowns(definitions, resolution, rates)
+    states, rates, inflows = _states(causal, resolution)
+    unknowns = _unknowns(definitions, resolution, rates, inflows)
     solved, blocks, solution = _solve_blocks(unknowns)
     finish = Substitution(solution)
     values = {target: finish(value) for target, value in resolution.values.items()}
@@ -111,14 +123,21 @@ def formulate(causal: CausalGraph) -> EquationSystem:
 # -- states --------------------------------------------------------------------------------------------
 
 
-def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVariable], dict[Expr, Expr]]:
-    """Every state with its derivative, and the rates by symbol (time included)."""
+def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVariable], dict[Expr, Expr], list[Inflow]]:
+    """Every state with its derivative, the rates by symbol (time included), and rates that are unknowns."""
     states: list[StateVariable] = []
+    inflows: list[Inflow] = []
     variables = Variables(causal.graph)
-    integral = set(causal.integral)
     for element in causal.graph.normal.elements.values():
-        if element.path in integral and isinstance(element.behaviour, Storage):
+        if not isinstance(element.behaviour, Storage):
+            continue
+        causality = causality_of(causal, element)
+        if causality is None:
             states.extend(_storage_states(causal, variables, element, element.behaviour, resolution))
+        else:
+            found, unknown = _field_states(variables, element, element.behaviour, causality, resolution)
+            states.extend(found)
+            inflows.extend(unknown)
     positions = positions_of(causal, resolution)
     states.extend(
         _state(
@@ -132,7 +151,7 @@ def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVari
     )
     rates = {state.symbol: state.derivative for state in states}
     rates[TIME] = ONE
-    return states, rates
+    return states, rates, inflows
 
 
 def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Expr, source: Source) -> StateVariable:
@@ -167,13 +186,34 @@ def _storage_states(
         partials = partial_derivatives(stored, symbols)
         matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
         rates = eliminate(matrix, inflows, [element.path] * len(symbols))
-    ports = {port: bonds[element.path / port] for port, _ in storage.stored}
-    dependent = dependent_ports(causal, element, ports)
     return [
         _state(element.path, coordinate, state_kind, rate, element.source)
-        for coordinate, rate, (port, _) in zip(storage.coordinates, rates, storage.stored, strict=True)
-        if port not in dependent
+        for coordinate, rate in zip(storage.coordinates, rates, strict=True)
     ]
+
+
+def _field_states(
+    variables: Variables, element: Element, storage: Storage, causality: Mixed, resolution: Resolution
+) -> tuple[list[StateVariable], list[Inflow]]:
+    """The states of a field that keeps its integral causality at some ports.
+
+    Where a port stores a coordinate itself, its inflow is the rate. Other coordinates have their rate as an unknown:
+    the rate of what the port stores, in which also the coordinates decided elsewhere move, is the inflow.
+    """
+    is_c = storage.kind is ElementKind.COMPLIANCE
+    driver = Variable.FLOW if is_c else Variable.EFFORT
+    bonds = variables.graph.normal.bonds
+    state_kind = StateKind.DISPLACEMENT if is_c else StateKind.MOMENTUM
+    states: list[StateVariable] = []
+    inflows: list[Inflow] = []
+    for port, coordinate in causality.integral:
+        rate = resolution.values[variables.of(bonds[element.path / port], driver)]
+        if not is_coordinate(element, storage, port, coordinate):
+            unknown = symbol(SymbolKind.UNKNOWN, element.path / f"{coordinate.name}_rate", "")
+            inflows.append(Inflow(element, unknown, resolution.complete(dict(storage.stored)[port]), rate))
+            rate = unknown
+        states.append(_state(element.path, coordinate, state_kind, rate, element.source))
+    return states, inflows
 
 
 def _dependents(
@@ -186,15 +226,18 @@ def _dependents(
     found: list[DependentStorage] = []
     for dependent, reaction in zip(definitions.dependents, reactions, strict=True):
         coordinate = dependent.coordinate
+        target = state_symbol(dependent.element, coordinate)
+        # Starts merge along what ports store; a coordinate of another kind only follows.
+        merges = dependent.stored == target
         found.append(
             DependentStorage(
                 element=dependent.element.path,
-                path=dependent.element.path / coordinate.name,
-                symbol=dependent.stored,
+                path=target.data.path,
+                symbol=target,
                 unit=coordinate.unit,
                 start=coordinate.start,
-                stored=resolution.values[dependent.stored],
-                reactions=reaction,
+                stored=resolution.values[target],
+                reactions=reaction if merges else (),
             )
         )
     return tuple(found)
@@ -203,7 +246,9 @@ def _dependents(
 # -- the implicit part -----------------------------------------------------------------------------------
 
 
-def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr]) -> list[Unknown]:
+def _unknowns(
+    definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr], inflows: list[Inflow]
+) -> list[Unknown]:
     """Every unknown with its residual: torn loops, laws to be solved, dependent storage, locks, closed loops."""
     found = [
         Unknown(unknown, unknown - resolution.torn_value(unknown), _owner(target), BlockKind.LOOP)
@@ -221,8 +266,11 @@ def _unknowns(definitions: Definitions, resolution: Resolution, rates: dict[Expr
     answers = {item.unknown for item in answering}
     drifting = _RateUnknowns({unknown.symbol: unknown for unknown in found}, rates, answers)
     for dependent in definitions.dependents:
-        rate = drifting.rate_of(resolution.values[dependent.stored], dependent.element)
+        rate = drifting.rate_of(resolution.complete(dependent.stored), dependent.element)
         found.append(Unknown(dependent.unknown, dependent.unknown - rate, dependent.element.path, BlockKind.DEPENDENT))
+    for inflow in inflows:
+        rate = drifting.rate_of(inflow.stored, inflow.element)
+        found.append(Unknown(inflow.unknown, inflow.inflow - rate, inflow.element.path, BlockKind.DEPENDENT))
     for lockable in definitions.lockables:
         flow = resolution.complete(lockable.flow)
         rate = drifting.rate_of(flow, lockable.element)

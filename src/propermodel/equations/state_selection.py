@@ -153,7 +153,7 @@ def _answers_itself(causal: CausalGraph) -> bool:
     found = define(causal)
     sources = found.values | {item.unknown: item.residual for item in found.implied}
     answers = {dependent.unknown for dependent in found.dependents}
-    pending = [dependent.stored for dependent in found.dependents]
+    pending = [leaf for dependent in found.dependents for leaf in leaves(dependent.stored) if leaf in sources]
     seen: set[Expr] = set(pending)
     while pending:
         for leaf in leaves(sources[pending.pop()]):

@@ -59,13 +59,14 @@ class MultiportCompliance(Component):
     """A multiport C in coordinates of the author's choice, declared as `State`s.
 
     `displacements()` and `efforts()` give one expression per port in the coordinates; `energy()` the stored
-    energy. Where only `energy()` is given and each coordinate is named after its port, the efforts are its
-    gradient.
+    energy. Where only `energy()` is given, coordinates are what the ports store, in order, and the efforts are its
+    gradient. `limits()` gives the range of coordinates, `{self.volume: (low, high)}`. A port whose effort is decided
+    elsewhere (derivative causality) decides a coordinate instead.
     """
 
 
 class MultiportInertia(Component):
-    """A multiport I in coordinates of the author's choice: `momenta()`, `flows()`, `energy()`."""
+    """A multiport I in coordinates of the author's choice: `momenta()`, `flows()`, `energy()`, `limits()`."""
 
 
 class EffortSource(Component):

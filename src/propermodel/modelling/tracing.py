@@ -369,11 +369,33 @@ def _one_port_storage(tracer: Tracer, kind: ElementKind, coordinate: str, output
 
 
 def _states(tracer: Tracer) -> tuple[Coordinate, ...]:
+    ranges = _ranges(tracer)
+    free = (-INFINITY, INFINITY)
     return tuple(
-        Coordinate(name=name, unit=state.unit, start=tracer.resolve(state.start), low=-INFINITY, high=INFINITY)
+        Coordinate(
+            name=name,
+            unit=state.unit,
+            start=tracer.resolve(state.start),
+            low=ranges.get(name, free)[0],
+            high=ranges.get(name, free)[1],
+        )
         for name, state in tracer.cls.declarations.items()
         if isinstance(state, State)
     )
+
+
+def _ranges(tracer: Tracer) -> dict[str, tuple[Expr, Expr]]:
+    """The range of each state that `limits()` names: `{self.volume: (low, high)}`."""
+    if not tracer.has("limits"):
+        return {}
+    found: dict[str, tuple[Expr, Expr]] = {}
+    for key, (low, high) in tracer.call("limits").items():
+        target = tracer.local(key)
+        ends = (tracer.resolve(low), tracer.resolve(high))
+        for end in ends:
+            tracer.check(end, target.data.unit, "limits")
+        found[target.data.path.name] = ends
+    return found
 
 
 def _multiport_storage(tracer: Tracer, kind: ElementKind, stored: str, outputs: str) -> Storage:

@@ -52,9 +52,12 @@ def merge_starts(system: EquationSystem, starts: Starts) -> tuple[Values, tuple[
     """
     notes: list[str] = []
     solvable = [d for d in system.dependents if _is_explicit(d, starts)]
-    members = [d for d in solvable if _factors(d, starts) and not _follows(d, starts)]
+    free = [d for d in system.dependents if _factors(d, starts) and not _follows(d, starts)]
+    # Storage that shares states meets as a whole or not at all: a part would depend on the choice of states.
+    blocks = [block for block in _blocks(free, starts) if all(d in solvable for d in block)]
+    members = [dependent for block in blocks for dependent in block]
     changed: Values = {}
-    for block in _blocks(members, starts):
+    for block in blocks:
         found = _merged(block, starts)
         if found:
             changed.update(found)
@@ -65,11 +68,11 @@ def merge_starts(system: EquationSystem, starts: Starts) -> tuple[Values, tuple[
         declared = starts.values[dependent.symbol]
         (now,) = starts.at([dependent.stored], changed)
         if _differ(now, declared):
-            why = "the scenario gives the start of what it moves with" if _follows(dependent, starts) else ""
-            notes.append(
-                f"{dependent.path} starts at {now:.6g} {dependent.unit}, not at {declared:.6g}: "
-                f"{why or 'a source decides it'}"
-            )
+            follows = any(leaf.data.kind is SymbolKind.STATE for leaf in leaves(dependent.stored))
+            why = "it follows from other storage" if follows else "a source decides it"
+            if _follows(dependent, starts):
+                why = "the scenario gives the start of what it moves with"
+            notes.append(f"{dependent.path} starts at {now:.6g} {dependent.unit}, not at {declared:.6g}: {why}")
     notes.extend(
         f"the start of {dependent.path} ({starts.values[dependent.symbol]:.6g} {dependent.unit}) is not used: "
         "it follows from an algebraic loop"

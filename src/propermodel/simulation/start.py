@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from propermodel.codegen.lower import is_uniform
-from propermodel.codegen.machine import Memory, TableData, start_memory
+from propermodel.codegen.machine import FloatArray, Memory, TableData, start_memory
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
-from propermodel.equations.system import StateKind
+from propermodel.equations.system import EquationSystem, StateKind
 from propermodel.expressions.core import TIME, Expr, SymbolKind, leaves
 from propermodel.expressions.interpret import interpret
 from propermodel.modelling.model import Scenario, Storage, TableValues
@@ -21,6 +21,7 @@ from propermodel.simulation.consistent import close_loops, keep_loops_closed
 from propermodel.simulation.evaluate import HeldTable
 from propermodel.simulation.finite import faults_of_scenario, faults_of_values
 from propermodel.simulation.merging import Starts, merge_starts
+from propermodel.simulation.singular_fields import singular_fields
 
 Values = dict[Expr, float]
 
@@ -103,9 +104,12 @@ def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
     given = _initial_states(compiled, scenario, parameters, faults)
     held = _held(compiled, scenario, parameters)
     faults.raise_if_any()
-    states, notes = _states(
-        compiled, scenario, given, parameters | dict(zip(compiled.lowered.held, held, strict=True)), tables
-    )
+    known = parameters | dict(zip(compiled.lowered.held, held, strict=True))
+    starts = _starts(compiled, scenario, given, known, tables)
+    for fault in singular_fields(compiled.system, starts.values, starts.tables):
+        faults.add(fault)
+    faults.raise_if_any()
+    states, notes = _settled(compiled.system, starts)
     faults.found.extend(
         faults_of_values(
             "state", ((s.path, value, s.source) for s, value in zip(compiled.system.states, states, strict=True))
@@ -119,6 +123,7 @@ def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
         {
             Array.STATE: states,
             Array.DISCRETE: held,
+            Array.UNKNOWN: _guesses(compiled, starts),
             Array.PARAMETER: [
                 parameters[flat[path].symbol] if path in flat else limits[path] for path in compiled.lowered.parameters
             ],
@@ -179,26 +184,40 @@ def _grid_limits(tables: Mapping[Path, TableValues]) -> dict[Path, float]:
     return found
 
 
-def _states(
+def _starts(
     compiled: CompiledModel,
     scenario: Scenario,
     given: Mapping[Path, float],
     known: Values,
     tables: Mapping[Path, TableValues],
-) -> tuple[list[float], tuple[str, ...]]:
-    """The states at the start, with what dependent storage was declared to hold merged into them."""
+) -> Starts:
+    """What the states and dependent storage are declared to start with."""
     system = compiled.system
     values = {**known, TIME: scenario.start}
     for item in (*system.states, *system.dependents):
         start = given.get(item.path)
         values[item.symbol] = interpret(item.start, known) if start is None else start
     held = {p: HeldTable(t, compiled.graph.tables[p].spec.extrapolation == "hold") for p, t in tables.items()}
-    starts = Starts(values, held, frozenset(given))
+    return Starts(values, held, frozenset(given))
+
+
+def _settled(system: EquationSystem, starts: Starts) -> tuple[list[float], tuple[str, ...]]:
+    """The states at the start, on the constraints and with what dependent storage holds merged into them; notes."""
     changed, notes = close_loops(system, starts)
     for further in (merge_starts, keep_loops_closed):
-        more, said = further(system, replace(starts, values={**values, **changed}))
+        more, said = further(system, replace(starts, values={**starts.values, **changed}))
         changed, notes = {**changed, **more}, (*notes, *said)
-    return [changed.get(state.symbol, values[state.symbol]) for state in system.states], notes
+    return [changed.get(state.symbol, starts.values[state.symbol]) for state in system.states], notes
+
+
+def _guesses(compiled: CompiledModel, starts: Starts) -> FloatArray:
+    """Where Newton's method begins: a coordinate of dependent storage at its declared start, all else at zero."""
+    declared = {item.path: starts.values[item.symbol] for item in compiled.system.dependents}
+    found = np.zeros(compiled.lowered.program.layout.lengths.get(Array.UNKNOWN, 0))
+    # The unknowns of the system come first, those of corrections to constraints follow.
+    unknowns = [unknown for block in compiled.system.blocks for unknown in block.unknowns]
+    found[: len(unknowns)] = [declared.get(unknown.data.path, 0.0) for unknown in unknowns]
+    return found
 
 
 def _initial_states(
