@@ -55,6 +55,7 @@ from propermodel.modelling import (
     Output,
     Parameter,
     Port,
+    Preference,
     Removal,
     Resistance,
     Rotation,
@@ -155,6 +156,7 @@ __all__ = [
     # components and their parts
     "Component",
     "Port",
+    "Preference",
     "Parameter",
     "parameter",
     "table",

@@ -10,19 +10,23 @@ from hypothesis import given, settings
 from propermodel.bondgraph.flatten import flatten
 from propermodel.causality.assign import assign_causality
 from propermodel.causality.causal import CausalGraph, Why
-from propermodel.diagnostics import Path, StructureError
+from propermodel.causality.report import explain_causality
+from propermodel.diagnostics import ModelError, Path, StructureError
 from propermodel.expressions import Expr
 from propermodel.modelling import (
     Component,
     Parameter,
     Port,
+    Preference,
     Resistance,
     Rotation,
     Translation,
     connect,
     elaborate,
     parameter,
+    replace,
 )
+from propermodel.modelling.documents import from_document, to_document
 from propermodel.modelling.model import ElementKind, JunctionKind
 from tests.parts import (
     Capacitor,
@@ -342,3 +346,104 @@ def test_strokes_of_any_rig_are_consistent(rig):
     masses = [p for p in causal.integral if normal.elements[p].kind is ElementKind.INERTIA]
     assert len(masses) == len(rig.masses) - levers
     assert len(causal.integral) - len(masses) == springs
+
+
+# -- what authors prefer ------------------------------------------------------------------------------------
+
+
+class Follower(Mass):
+    preference = Preference.DERIVATIVE
+
+
+class Leader(Mass):
+    preference = Preference.INTEGRAL
+
+
+class Rigid(Component):
+    """Two masses on one flange; the first is the state unless an author says otherwise."""
+
+    first = Mass(mass=1.0)
+    second = Mass(mass=2.0)
+
+    connections = (connect(first.flange, second.flange),)
+
+
+def test_without_a_preference_the_first_storage_is_the_state():
+    assert strokes_of(Rigid()).derivative == (Path(("second",)),)
+
+
+def test_storage_that_prefers_to_be_dependent_is_offered_its_state_last():
+    causal = strokes_of(replace(Rigid(), first=Follower(mass=1.0)))
+    assert causal.derivative == (Path(("first",)),)
+
+
+def test_storage_that_prefers_to_be_a_state_is_offered_it_first():
+    causal = strokes_of(replace(Rigid(), second=Leader(mass=2.0)))
+    assert causal.derivative == (Path(("first",)),)
+
+
+def test_a_preference_that_nothing_allows_is_not_insisted_on():
+    class Alone(Component):
+        mass = Follower(mass=1.0)
+        damper = Damper(damping=1.0)
+        wall = Fixed()
+        connections = (connect(mass.flange, damper.a), connect(damper.b, wall.flange))
+
+    causal = strokes_of(Alone())
+    assert causal.integral == (Path(("mass",)),)
+    assert causal.derivative == ()
+
+
+class Yielding(Damper):
+    preference = Preference.FLOW
+
+
+class Series(Component):
+    """Two dampers that share a force: one of them sets the speed of the flange between them."""
+
+    spring = Spring(stiffness=1.0)
+    first = Damper(damping=1.0)
+    second = Damper(damping=2.0)
+    source = Velocity(velocity=1.0)
+    wall = Fixed()
+
+    connections = (
+        connect(source.flange, first.a),
+        connect(first.b, second.a),
+        connect(second.b, wall.flange),
+        connect(spring.a, source.flange),
+        connect(spring.b, wall.flange),
+    )
+
+
+def test_a_resistance_gives_what_its_author_prefers_and_the_stroke_says_so():
+    plain = strokes_of(Series())
+    ports = ("first.port", "second.port")
+    assert [receives_effort(plain, port) for port in ports] == [False, True]
+    for name, expected in (("first", [True, False]), ("second", [False, True])):
+        causal = strokes_of(replace(Series(), **{name: Yielding(damping=1.0)}))
+        assert [receives_effort(causal, port) for port in ports] == expected
+        stroke = causal.strokes[Path((name, "port"))]
+        assert (stroke.why, stroke.cause) == (Why.PREFERENCE, Path((name,)))
+        report = explain_causality(causal)
+        assert "preferred by its author" in report.table()
+        assert f"R {name} has either causality, and its author prefers this one" in report.explanation()
+
+
+def test_a_preference_of_the_wrong_kind_is_refused():
+    class Wrong(Damper):
+        preference = Preference.DERIVATIVE
+
+    with pytest.raises(ModelError) as caught:
+        elaborate(replace(Series(), first=Wrong(damping=1.0)))
+    (fault,) = caught.value.diagnostics
+    assert fault.code == "model/preference"
+    assert fault.message == "Wrong prefers the causality derivative, which it cannot have"
+    assert fault.help == "write preference = Preference.EFFORT or Preference.FLOW"
+
+
+def test_preferences_are_in_the_document():
+    model = elaborate(replace(Series(), first=Yielding(damping=1.0)))
+    again = from_document(to_document(model))
+    assert again == model
+    assert assign_causality(flatten(again)).strokes == assign_causality(flatten(model)).strokes

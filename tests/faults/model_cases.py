@@ -200,6 +200,17 @@ class PushingDamper(Resistance):
         return effort - self.force
 
 
+class InertDamper(PushingDamper):
+    preference = pm.Preference.DERIVATIVE
+
+    def residual(self, effort, flow):
+        return effort / self.force - flow / pm.quantity(1.0, "m/s")
+
+
+def wrong_preference() -> object:
+    return elaborate(made({"damper": InertDamper()})())
+
+
 def implicit_law_of_a_source() -> object:
     return elaborate(made({"damper": PushingDamper()})())
 
@@ -439,6 +450,13 @@ CASES = (
         names=("PushingDamper.residual", "flow"),
         at="def residual(self, effort, flow)",
         cure="EffortSource",
+    ),
+    Case(
+        code="model/preference",
+        run=wrong_preference,
+        names=("InertDamper", "derivative"),
+        at="class InertDamper",
+        cure="Preference.EFFORT",
     ),
     Case(
         code="model/dimension",

@@ -59,6 +59,7 @@ class Scope:
                     laws=laws,
                     locked=None if behaviour.locked is None else self(behaviour.locked),
                     implicit=tuple(self(residual) for residual in behaviour.implicit),
+                    preference=behaviour.preference,
                 )
             case Storage():
                 return replace(

@@ -14,6 +14,7 @@ from propermodel.modelling.model import (
     ElementKind,
     JunctionKind,
     PowerSource,
+    Preference,
     Resistive,
     Storage,
     TwoPort,
@@ -26,7 +27,8 @@ def assign_causality(
 ) -> CausalGraph:
     """Assign every causal stroke.
 
-    Sources first, then laws with one causality, then storage (integral if possible), then free resistances.
+    Sources first, then laws with one causality, then storage (integral if possible; what its author would rather have
+    dependent comes last), then free resistances, those with a preference before the others.
 
     Args:
         graph: The bond graph in normal form.
@@ -54,10 +56,11 @@ def assign_causality(
     if order is not None:
         place = {path: number for number, path in enumerate(order)}
         storages.sort(key=lambda element: place[element.path])
+    storages.sort(key=_turn)
     integral, derivative = work.assign_storage(storages)
-    for element in elements:
-        if isinstance(element.behaviour, Resistive):
-            work.choose(element)
+    resistances = [(e, e.behaviour) for e in elements if isinstance(e.behaviour, Resistive)]
+    for element, behaviour in sorted(resistances, key=lambda pair: pair[1].preference is None):
+        work.choose(element, behaviour)
     work.complete()
     return CausalGraph(graph, work.strokes, tuple(integral), tuple(derivative), tuple(constraints))
 
@@ -74,6 +77,18 @@ def _assign_with_closures(graph: BondGraph, order: Sequence[Path] | None) -> Cau
             except StructureError:
                 continue
         raise
+
+
+def _turn(element: Element) -> int:
+    """When a storage is offered integral causality: first, in its place or last, as its author prefers."""
+    assert isinstance(element.behaviour, Storage)
+    match element.behaviour.preference:
+        case Preference.INTEGRAL:
+            return 0
+        case Preference.DERIVATIVE:
+            return 2
+        case _:
+            return 1
 
 
 class Conflict(Exception):
@@ -175,11 +190,16 @@ class Assignment:
             self.undo(mark)
         return False
 
-    def choose(self, element: Element) -> None:
-        """Give a resistance the first law that fits."""
+    def choose(self, element: Element, behaviour: Resistive) -> None:
+        """Give a resistance the causality that its author prefers, otherwise the first law that fits."""
         patterns = self.law_patterns(element)
         open_ports = any(bond.name not in self.strokes for bond in self.at[element.path])
         why = Why.CHOICE if open_ports else Why.JUNCTION
+        if behaviour.preference is not None and open_ports:
+            gives_flow = behaviour.preference is Preference.FLOW
+            preferred = (pattern for pattern in patterns if set(pattern.values()) == {gives_flow})
+            if any(self.attempt(element, pattern, Why.PREFERENCE) for pattern in preferred):
+                return
         if any(self.attempt(element, pattern, why) for pattern in patterns):
             return
         self.fix(element, patterns[0], Why.LAW)

@@ -16,6 +16,7 @@ class Why(StrEnum):
     SOURCE = "a source prescribes it"
     CONSTRAINT = "closes a kinematic loop: its effort keeps its flow"
     LAW = "only this causality has a law"
+    PREFERENCE = "its author prefers this causality"
     INTEGRAL = "integral causality preferred"
     DERIVATIVE = "integral causality is impossible"
     CHOICE = "chosen: both causalities are possible"

@@ -18,13 +18,14 @@ WIDTH = 100
 # Reports name as many paths or loops of a kind, and count the others.
 MOST_LISTED = 20
 
-_DECIDED = frozenset({Why.SOURCE, Why.CONSTRAINT, Why.LAW, Why.INTEGRAL, Why.DERIVATIVE, Why.CHOICE})
+_DECIDED = frozenset({Why.SOURCE, Why.CONSTRAINT, Why.LAW, Why.PREFERENCE, Why.INTEGRAL, Why.DERIVATIVE, Why.CHOICE})
 
 
 _REASONS = {
     Why.SOURCE: "source",
     Why.CONSTRAINT: "closes a loop",
     Why.LAW: "only law",
+    Why.PREFERENCE: "preferred by its author",
     Why.INTEGRAL: "integral causality",
     Why.DERIVATIVE: "derivative causality",
     Why.CHOICE: "chosen, either fits",
@@ -153,6 +154,8 @@ class CausalReport:
                 return f"{who} closes a kinematic loop: the {given} of {where} keeps its flow."
             case Why.LAW:
                 return f"{who} has a law for one causality only: it sets the {given} of {where}."
+            case Why.PREFERENCE:
+                return f"{who} has either causality, and its author prefers this one: it sets the {given} of {where}."
             case Why.INTEGRAL:
                 return f"{who} takes integral causality: what it stores sets the {given} of {where}."
             case Why.DERIVATIVE:

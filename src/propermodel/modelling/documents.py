@@ -40,6 +40,7 @@ from propermodel.modelling.model import (
     Part,
     PortData,
     PowerSource,
+    Preference,
     ResistanceLaw,
     Resistive,
     Result,
@@ -126,6 +127,7 @@ BEHAVIOUR = tagged(
             laws=many(record(ResistanceLaw, results=many(RESULT))),
             locked=optional(EXPR),
             implicit=many(EXPR),
+            preference=optional(choice((Preference.EFFORT, Preference.FLOW))),
         ),
     ),
     storage=(
@@ -138,6 +140,7 @@ BEHAVIOUR = tagged(
             outputs=many(NAMED_EXPR),
             energy=EXPR,
             inverse=optional(EXPR),
+            preference=optional(choice((Preference.INTEGRAL, Preference.DERIVATIVE))),
         ),
     ),
     source=(

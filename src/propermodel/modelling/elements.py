@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 from propermodel.expressions.core import Expr, ExprLike
 from propermodel.modelling.components import Component, Port
 from propermodel.modelling.domains import Domain
+from propermodel.modelling.model import Preference
 from propermodel.modelling.signals import State
 
 D = TypeVar("D", bound=Domain)
@@ -21,7 +22,10 @@ class Resistance(Component):
     `residual(effort, flow)` gives an implicit law, 0 = g(effort, flow), for the causalities without a law.
     `locked()` may give a condition under which the flow is held at its value near zero (a clutch that has
     closed). An element that gives its flow, because a compliance or source sets its effort, stands still at once.
+    `preference` says which of effort and flow it gives where the model leaves a choice.
     """
+
+    preference: ClassVar[Preference | None] = None
 
 
 class MultiportResistance(Component):
@@ -44,15 +48,21 @@ class MultiportResistance(Component):
 class Compliance(Component):
     """A one-port C: `effort(displacement)`, `displacement(effort)` or both; `energy(...)` unless linear.
 
-    `start()` gives the displacement at the start, `limits()` the range it is meant for.
+    `start()` gives the displacement at the start, `limits()` the range it is meant for. With the `preference`
+    `DERIVATIVE` it is dependent storage where others can decide it, with `INTEGRAL` others are.
     """
+
+    preference: ClassVar[Preference | None] = None
 
 
 class Inertia(Component):
     """A one-port I: `flow(momentum)`, `momentum(flow)` or both; `energy(momentum)` unless linear.
 
-    `start()` gives the momentum at the start, `limits()` the range it is meant for.
+    `start()` gives the momentum at the start, `limits()` the range it is meant for. With the `preference`
+    `DERIVATIVE` it is dependent storage where others can decide it, with `INTEGRAL` others are.
     """
+
+    preference: ClassVar[Preference | None] = None
 
 
 class MultiportCompliance(Component):
@@ -64,9 +74,13 @@ class MultiportCompliance(Component):
     elsewhere (derivative causality) decides a coordinate instead.
     """
 
+    preference: ClassVar[Preference | None] = None
+
 
 class MultiportInertia(Component):
     """A multiport I in coordinates of the author's choice: `momenta()`, `flows()`, `energy()`, `limits()`."""
+
+    preference: ClassVar[Preference | None] = None
 
 
 class EffortSource(Component):
@@ -122,6 +136,7 @@ __all__ = [
     "MultiportInertia",
     "MultiportResistance",
     "OneJunction",
+    "Preference",
     "Resistance",
     "State",
     "Transformer",

@@ -66,6 +66,20 @@ class ElementKind(StrEnum):
         return self.is_storage or self is ElementKind.RESISTANCE
 
 
+class Preference(StrEnum):
+    """The causality that an author prefers for an element, where the model leaves a choice."""
+
+    INTEGRAL = "integral"
+    DERIVATIVE = "derivative"
+    EFFORT = "effort"  # a resistance that gives its effort
+    FLOW = "flow"  # a resistance that gives its flow
+
+    @property
+    def is_of_storage(self) -> bool:
+        """Whether storage can have this causality."""
+        return self in (Preference.INTEGRAL, Preference.DERIVATIVE)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Result:
     """One variable that a law gives."""
@@ -92,6 +106,7 @@ class Resistive:
     laws: tuple[ResistanceLaw, ...]
     locked: Expr | None = None
     implicit: tuple[Expr, ...] = ()
+    preference: Preference | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +133,7 @@ class Storage:
     outputs: tuple[tuple[str, Expr], ...]
     energy: Expr
     inverse: Expr | None = None
+    preference: Preference | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -47,6 +47,7 @@ from propermodel.modelling.model import (
     ElementKind,
     JunctionKind,
     PowerSource,
+    Preference,
     ResistanceLaw,
     Resistive,
     Result,
@@ -290,7 +291,21 @@ def _resistance(tracer: Tracer) -> Resistive:
     locked = tracer.resolve(tracer.call("locked")) if tracer.has("locked") else None
     if locked is not None and effort_law is None:
         raise tracer.missing("law effort(flow), which an element with locked() needs")
-    return Resistive(laws=tuple(laws), locked=locked, implicit=implicit)
+    return Resistive(laws=tuple(laws), locked=locked, implicit=implicit, preference=_preference(tracer, storage=False))
+
+
+def _preference(tracer: Tracer, *, storage: bool) -> Preference | None:
+    """The causality that the class prefers, of the kind that its element can have."""
+    wanted: object = getattr(tracer.cls, "preference", None)
+    if wanted is None or (isinstance(wanted, Preference) and wanted.is_of_storage is storage):
+        return wanted
+    possible = [preference.value for preference in Preference if preference.is_of_storage is storage]
+    raise ModelError.of(
+        "model/preference",
+        f"{tracer.cls.__name__} prefers the causality {wanted!s}, which it cannot have",
+        source=tracer.cls.defined_at,
+        help=f"write preference = Preference.{possible[0].upper()} or Preference.{possible[1].upper()}",
+    )
 
 
 def _check_mentions(tracer: Tracer, residual: Expr, effort: Expr, flow: Expr) -> None:
@@ -365,6 +380,7 @@ def _one_port_storage(tracer: Tracer, kind: ElementKind, coordinate: str, output
         outputs=((name, law),),
         energy=energy,
         inverse=inverse,
+        preference=_preference(tracer, storage=True),
     )
 
 
@@ -416,7 +432,14 @@ def _multiport_storage(tracer: Tracer, kind: ElementKind, stored: str, outputs: 
         output_laws = tuple(
             (port, derivative(energy, state)) for port, state in zip(tracer.element_ports, states, strict=True)
         )
-    return Storage(kind=kind, coordinates=coordinates, stored=stored_laws, outputs=output_laws, energy=energy)
+    return Storage(
+        kind=kind,
+        coordinates=coordinates,
+        stored=stored_laws,
+        outputs=output_laws,
+        energy=energy,
+        preference=_preference(tracer, storage=True),
+    )
 
 
 def _two_port(tracer: Tracer, cls: type[Component]) -> TwoPort:
