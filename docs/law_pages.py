@@ -17,6 +17,7 @@ DOMAINS = {
     "Hydraulics": "hydraulics",
     "Electricity": "electrical",
     "Heat": "thermal",
+    "Heat as a pseudo bond": "pseudo_thermal",
 }
 HEAD = """# The laws of the library
 
@@ -69,8 +70,9 @@ def ports_of(component: type[pm.Component]) -> str:
 def laws_of(component: type[pm.Component]) -> list[str]:
     """The equations of an element."""
     match trace(component, component()):
-        case Resistive(laws=laws):
-            return [f"{r.port}.{r.variable} = {r.value}" for law in laws for r in law.results]
+        case Resistive(laws=laws, implicit=implicit):
+            explicit = [f"{r.port}.{r.variable} = {r.value}" for law in laws for r in law.results]
+            return [*explicit, *(f"0 = {residual}" for residual in implicit)]
         case Storage() as storage:
             own = {coordinate.name for coordinate in storage.coordinates}
             variable = "effort" if storage.kind.value == "C" else "flow"

@@ -358,8 +358,16 @@ def test_pseudo_bonds_are_not_ranked_with_true_ones():
         "error[activity/pseudo-bonds]: true and pseudo bonds cannot be ranked together: the product of a pseudo bond "
         "is not power\n"
         "  --> body.port is a pseudo bond (pseudo thermal)\n"
-        "  help: write the pseudo domain as a true one, with entropy flow for heat"
+        "  help: rank them apart, rank_activity(run, among='true') or among='pseudo thermal', or write the pseudo "
+        "domain as a true one, with entropy flow for heat"
     )
+    answer = run(mixed, 1.0, initial={"body.port.displacement": 100.0})
+    assert {str(row.path) for row in rank_activity(answer, among="true").rows} == {"mass", "drag"}
+    finer = run(mixed, 1.0, step=5e-4, initial={"body.port.displacement": 100.0})
+    apart = rank_activity(answer, refined=finer, among="pseudo thermal")
+    assert {str(row.path) for row in apart.rows} == {"body", "leak"}
+    with pytest.raises(ReductionError, match=r"there are no bonds called 'pseudo thermol' to rank"):
+        rank_activity(answer, among="pseudo thermol")
     body, leak = PseudoBody(capacity=10.0), PseudoWall(conductance=1.0)
     alone = system(connect(body.port, leak.port), body=body, leak=leak)
     assert len(rank_activity(run(alone, 1.0, initial={"body.port.displacement": 100.0})).rows) == 2

@@ -192,6 +192,19 @@ def law_missing() -> object:
     return elaborate(made({"spring": LawlessSpring()})())
 
 
+class HeatTransformer(pm.Transformer):
+    a = Port(pm.Electrical)
+    b = Port(pm.PseudoThermal)
+    ratio: Parameter = parameter("V/K", default=1.0)
+
+    def modulus(self):
+        return self.ratio
+
+
+def pseudo_transformer() -> object:
+    return elaborate(made({"heater": HeatTransformer()})())
+
+
 class PushingDamper(Resistance):
     port = Port(Translation)
     force: Parameter = parameter("N", default=1.0)
@@ -450,6 +463,13 @@ CASES = (
         names=("PushingDamper.residual", "flow"),
         at="def residual(self, effort, flow)",
         cure="EffortSource",
+    ),
+    Case(
+        code="model/pseudo-domain",
+        run=pseudo_transformer,
+        names=("HeatTransformer", "(a)", "(b)", "pseudo_thermal"),
+        at="class HeatTransformer",
+        cure="converts = True",
     ),
     Case(
         code="model/preference",

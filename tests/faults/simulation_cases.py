@@ -173,6 +173,10 @@ def pseudo_bonds() -> object:
     return rank_activity(simulate(compile_model(elaborate(Warmed())), STEP, step=1e-3))
 
 
+def unknown_domain() -> object:
+    return rank_activity(simulate(compile_model(elaborate(Warmed())), STEP, step=1e-3), among="tru")
+
+
 def at_rest() -> object:
     return rank_activity(simulate(quarter(), Scenario(stop=0.1), step=1e-3))
 
@@ -324,6 +328,12 @@ CASES = (
     Case(code="simulation/start", run=too_fast, names=("fast.momentum",), cure="starts that agree"),
     Case(code="simulation/continue", run=continued_elsewhere, cure="compile"),
     Case(code="activity/none", run=at_rest, names=("scenario",), cure="inputs"),
+    Case(
+        code="activity/unknown-domain",
+        run=unknown_domain,
+        names=("tru",),
+        cure="did you mean 'true'?",
+    ),
     Case(code="activity/pseudo-bonds", run=pseudo_bonds, names=("pseudo heat",), cure="entropy flow"),
     Case(
         code="activity/incomplete",

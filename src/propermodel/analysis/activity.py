@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propermodel.diagnostics import Diagnostic, Path, ReductionError
+from propermodel.bondgraph.pseudo import is_pseudo
+from propermodel.diagnostics import Diagnostic, Path, ReductionError, one_of
 from propermodel.simulation.trajectory import Trajectory
+
+TRUE = "true"  # what true bonds are called in `rank_activity(run, among=...)`
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +102,7 @@ def rank_activity(
     *,
     refined: Trajectory | None = None,
     window: tuple[float, float] | None = None,
+    among: str | None = None,
 ) -> ActivityRanking:
     """Rank the energy elements of a run by activity.
 
@@ -106,14 +110,16 @@ def rank_activity(
         trajectory: The run.
         refined: The same run at a smaller step; without it the ranking says that it is unchecked.
         window: A part of the run (taken to the instants at which integrals were kept); by default all of it.
+        among: In a model of true and pseudo bonds, which are ranked: `true`, or the name of a pseudo domain.
 
     Raises:
         ReductionError: nothing moved, the run did not reach its end, or true and pseudo bonds would be mixed.
     """
-    _check(trajectory)
+    _check(trajectory, among)
     if refined is not None:
         _check_complete(refined, "refined run")
-    activities = row_activities(trajectory, window)
+    kept = _rows_among(trajectory, among)
+    activities = {path: activity for path, activity in row_activities(trajectory, window).items() if path in kept}
     total = sum(activities.values())
     if not total > 0.0:
         raise ReductionError.of(
@@ -121,7 +127,9 @@ def rank_activity(
             f"nothing is active in scenario '{trajectory.scenario.name}': no element exchanges energy",
             help="give the scenario inputs or starts that make something move, or a later stop",
         )
-    discretisation = None if refined is None else _compare_steps(trajectory, refined, activities, window)
+    finer = {} if refined is None else row_activities(refined, window)
+    finer = {path: activity for path, activity in finer.items() if path in kept}
+    discretisation = None if refined is None else _compare_steps(trajectory, refined, activities, finer)
     by_row = {row.path: row for row in trajectory.compiled.system.rows}
     rows: list[ActivityRow] = []
     cumulative = 0.0
@@ -151,6 +159,18 @@ def rank_activity(
     )
 
 
+def _rows_among(trajectory: Trajectory, among: str | None) -> set[Path]:
+    """The rows that are ranked."""
+    graph = trajectory.compiled.graph
+    found: set[Path] = set()
+    for row in trajectory.compiled.system.rows:
+        bonds = [graph.normal.bonds[name] for name in row.bonds]
+        kinds = {bond.domain if is_pseudo(graph, bond) else TRUE for bond in bonds}
+        if among is None or kinds == {among}:
+            found.add(row.path)
+    return found
+
+
 def _check_complete(trajectory: Trajectory, name: str) -> None:
     if not trajectory.ending.is_complete:
         raise ReductionError.of(
@@ -161,19 +181,28 @@ def _check_complete(trajectory: Trajectory, name: str) -> None:
         )
 
 
-def _check(trajectory: Trajectory) -> None:
+def _check(trajectory: Trajectory, among: str | None) -> None:
     _check_complete(trajectory, "run")
     graph = trajectory.compiled.graph
+    pseudo = sorted({domain.name for domain in graph.domains.values() if not domain.is_true})
+    if among is not None and among not in (TRUE, *pseudo):
+        raise ReductionError.of(
+            "activity/unknown-domain",
+            f"there are no bonds called '{among}' to rank",
+            help=one_of(among, (TRUE, *pseudo)),
+        )
     bonds = [graph.normal.bonds[name] for row in trajectory.compiled.system.rows for name in row.bonds]
-    pseudo = [bond for bond in bonds if not graph.domains[bond.domain].is_true]
-    if pseudo and len(pseudo) < len(bonds):
+    kinds = {bond.domain if is_pseudo(graph, bond) else TRUE: bond for bond in reversed(bonds)}
+    if among is None and len(kinds) > 1:
+        name, bond = next((name, bond) for name, bond in kinds.items() if name != TRUE)
         raise ReductionError(
             [
                 Diagnostic(
                     "activity/pseudo-bonds",
                     "true and pseudo bonds cannot be ranked together: the product of a pseudo bond is not power",
-                    where=f"{pseudo[0].name} is a pseudo bond ({pseudo[0].domain})",
-                    help="write the pseudo domain as a true one, with entropy flow for heat",
+                    where=f"{bond.name} is a pseudo bond ({name})",
+                    help=f"rank them apart, rank_activity(run, among='{TRUE}') or among='{name}', "
+                    "or write the pseudo domain as a true one, with entropy flow for heat",
                 )
             ]
         )
@@ -209,9 +238,8 @@ def _compare_steps(
     trajectory: Trajectory,
     refined: Trajectory,
     activities: Mapping[Path, float],
-    window: tuple[float, float] | None,
+    finer: Mapping[Path, float],
 ) -> Discretisation:
-    finer = row_activities(refined, window)
     total, finer_total = sum(activities.values()), sum(finer.values())
     changes = {path: abs(finer[path] / finer_total - activities[path] / total) * 100.0 for path in activities}
     worst = max(changes, key=lambda p: (changes[p], p))

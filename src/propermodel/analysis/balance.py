@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
+from propermodel.bondgraph.pseudo import is_pseudo
 from propermodel.diagnostics import Path
 from propermodel.equations.definitions import sign_at
 from propermodel.modelling.model import ElementKind
@@ -16,7 +18,8 @@ class EnergyBalance:
 
     The change of stored energy comes from the energy functions at both ends, never from an integral of power, so that
     `integration_residual` shows what the step and the laws are worth. `wiring_residual` is the sum of all element
-    powers, which the junction structure makes vanish.
+    powers, which the junction structure makes vanish. Pseudo bonds have a balance of their own for each domain, of the
+    product of effort and flow, which is no energy.
     """
 
     supplied: float  # work of all sources, counted into the system
@@ -24,53 +27,78 @@ class EnergyBalance:
     exchanged: float  # sum over storage of the integral of |power|
     stored: float
     dissipated: float
-    lost_in_events: float
     wiring_residual: float
     sources: tuple[tuple[Path, float], ...]
+    converted: float = 0.0  # what converters have taken to pseudo bonds
+    lost_in_events: float = 0.0
+    pseudo: Mapping[str, EnergyBalance] = field(default_factory=dict[str, "EnergyBalance"])
 
     @property
     def integration_residual(self) -> float:
-        """What is missing between supplied, stored and dissipated energy and that lost in events."""
-        return self.supplied - self.stored - self.dissipated - self.lost_in_events
+        """What is missing between supplied energy and that stored, dissipated, converted and lost in events."""
+        return self.supplied - self.stored - self.dissipated - self.converted - self.lost_in_events
 
     @property
     def relative_residual(self) -> float:
         """The integration residual as a share of the source work, without sources of what storage exchanged."""
-        scale = max(self.throughput or self.exchanged, abs(self.stored), abs(self.dissipated), abs(self.lost_in_events))
+        gone = (self.stored, self.dissipated, self.converted, self.lost_in_events)
+        scale = max(self.throughput or self.exchanged, *map(abs, gone))
         return abs(self.integration_residual) / scale if scale else 0.0
 
     def __str__(self) -> str:
-        events = f" + lost in events {self.lost_in_events:.6g} J" if self.lost_in_events else ""
+        lines = [f"energy balance: {self._text('J')}"]
+        lines += [f"balance of pseudo bonds ({name}): {own._text('')}" for name, own in self.pseudo.items()]
+        return "\n".join(lines)
+
+    def _text(self, unit: str) -> str:
         scale = "the source work" if self.throughput else "what storage exchanged"
-        return (
-            f"energy balance: sources {self.supplied:.6g} J = stored {self.stored:.6g} J + dissipated "
-            f"{self.dissipated:.6g} J{events}; residual {self.relative_residual:.2e} of {scale}, "
-            f"wiring {abs(self.wiring_residual):.2e} J"
-        )
+        end = f" {unit}" if unit else ""
+        kept = f"stored {self.stored:.6g}{end} + dissipated {self.dissipated:.6g}{end}"
+        converted = f" + converted {self.converted:.6g}{end}" if self.converted else ""
+        events = f" + lost in events {self.lost_in_events:.6g}{end}" if self.lost_in_events else ""
+        residual = f"residual {self.relative_residual:.2e} of {scale}, wiring {abs(self.wiring_residual):.2e}{end}"
+        return f"sources {self.supplied:.6g}{end} = {kept}{converted}{events}; {residual}"
 
 
 def energy_balance(trajectory: Trajectory) -> EnergyBalance:
-    """The energy balance of a run; constant replacements and cuts count as sources."""
+    """The energy balance of a run; constant replacements and cuts count as sources, converters on pseudo bonds too."""
     graph = trajectory.compiled.graph
-    at = graph.normal.at()
-    supplied = throughput = exchanged = dissipated = wiring = 0.0
+    kinds = {bond.name: bond.domain if is_pseudo(graph, bond) else "" for bond in graph.normal.bonds.values()}
+    found = {kind: _balance(trajectory, {b for b, k in kinds.items() if k == kind}) for kind in {"", *kinds.values()}}
+    lost = sum(event.lost for event in trajectory.events)
+    return replace(found.pop(""), lost_in_events=lost, pseudo=dict(sorted(found.items())))
+
+
+def _balance(trajectory: Trajectory, bonds: set[Path]) -> EnergyBalance:
+    """The balance of the bonds of one kind."""
+    graph = trajectory.compiled.graph
+    supplied = throughput = exchanged = dissipated = converted = wiring = 0.0
     sources: list[tuple[Path, float]] = []
-    for element in graph.normal.elements.values():
-        inward = sum(
-            trajectory.work(bond.name) * (1.0 if sign_at(bond, element.path) else -1.0) for bond in at[element.path]
-        )
+    members: set[Path] = set()
+    for path, ends in graph.normal.at().items():
+        element = graph.normal.elements.get(path)
+        own = [bond for bond in ends if bond.name in bonds]
+        if element is None or not own:
+            continue
+        members.add(path)
+        inward = sum(trajectory.work(bond.name) * (1.0 if sign_at(bond, path) else -1.0) for bond in own)
+        passed = sum(trajectory.activity(bond.name) for bond in own)
         wiring += inward
-        if element.kind is ElementKind.RESISTANCE:
-            dissipated += inward
-        elif element.kind in (ElementKind.EFFORT_SOURCE, ElementKind.FLOW_SOURCE):
+        converts = len(own) < len(ends)
+        if converts and not is_pseudo(graph, own[0]):
+            converted += inward
+        elif converts or element.kind in (ElementKind.EFFORT_SOURCE, ElementKind.FLOW_SOURCE):
             supplied -= inward
-            throughput += sum(trajectory.activity(bond.name) for bond in at[element.path])
-            sources.append((element.path, -inward))
-        elif element.kind in (ElementKind.COMPLIANCE, ElementKind.INERTIA):
-            exchanged += sum(trajectory.activity(bond.name) for bond in at[element.path])
+            throughput += passed
+            sources.append((path, -inward))
+        elif element.kind is ElementKind.RESISTANCE:
+            dissipated += inward
+        elif element.kind.is_storage:
+            exchanged += passed
     stored = sum(
         trajectory.at_end(item.element / "energy") - trajectory.at_start(item.element / "energy")
         for item in trajectory.compiled.system.energies
+        if item.element in members
     )
     return EnergyBalance(
         supplied=supplied,
@@ -78,7 +106,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
         exchanged=exchanged,
         stored=stored,
         dissipated=dissipated,
-        lost_in_events=sum(event.lost for event in trajectory.events),
         wiring_residual=wiring,
         sources=tuple(sources),
+        converted=converted,
     )

@@ -59,6 +59,7 @@ class Scope:
                     laws=laws,
                     locked=None if behaviour.locked is None else self(behaviour.locked),
                     implicit=tuple(self(residual) for residual in behaviour.implicit),
+                    converts=behaviour.converts,
                     preference=behaviour.preference,
                 )
             case Storage():

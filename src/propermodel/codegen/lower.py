@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from propermodel.bondgraph.graph import BondGraph, SampledController
+from propermodel.bondgraph.pseudo import pseudo_elements
 from propermodel.codegen.program import (
     Array,
     Assign,
@@ -306,8 +307,9 @@ def _signals(system: EquationSystem) -> tuple[dict[Path, Observable], list[Expr]
         offer(state.path, state.symbol, state.unit)
     for held, _ in system.causal.graph.held:
         offer(held.data.path, held, held.data.unit)
+    pseudo = pseudo_elements(system.causal.graph)
     for stored in system.energies:
-        offer(stored.element / "energy", stored.energy, "J")
+        offer(stored.element / "energy", stored.energy, "" if stored.element in pseudo else "J")
     for leaf, value in system.values.items():
         if leaf.data.kind is not SymbolKind.POWER and _is_complete(value, states):
             offer(leaf.data.path, value, leaf.data.unit)

@@ -36,6 +36,10 @@ def causality_of(causal: CausalGraph, element: Element) -> Mixed | None:
     )
     if not derivative:
         return None
+    storage = element.behaviour
+    assert isinstance(storage, Storage)
+    if len(element.ports) == 1:
+        return Mixed(integral=(), derivative=tuple(zip(element.ports, storage.coordinates, strict=True)))
     found = mixed(element, derivative)
     assert found is not None
     return found

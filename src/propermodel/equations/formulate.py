@@ -133,7 +133,7 @@ def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVari
             continue
         causality = causality_of(causal, element)
         if causality is None:
-            states.extend(_storage_states(causal, variables, element, element.behaviour, resolution))
+            states.extend(_storage_states(variables, element, element.behaviour, resolution))
         else:
             found, unknown = _field_states(variables, element, element.behaviour, causality, resolution)
             states.extend(found)
@@ -169,7 +169,7 @@ def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Exp
 
 
 def _storage_states(
-    causal: CausalGraph, variables: Variables, element: Element, storage: Storage, resolution: Resolution
+    variables: Variables, element: Element, storage: Storage, resolution: Resolution
 ) -> list[StateVariable]:
     """The states of a storage: its stored quantities change by what its bonds bring."""
     is_c = storage.kind is ElementKind.COMPLIANCE

@@ -230,6 +230,10 @@ class _Check:
         """The laws name the ports and states of the element."""
         outer = {name for port in self.definition.ports for name in port.between or ()}
         ports = [name for name in self.ports if name not in outer]
+        converts = isinstance(behaviour, Resistive) and behaviour.converts
+        is_element = isinstance(behaviour, Resistive | Storage | PowerSource | TwoPort)
+        if is_element and not converts and len({self.domains[self.ports[name].domain].is_true for name in ports}) > 1:
+            self.fault("an element that does not convert has ports on true and on pseudo bonds")
         match behaviour:
             case Resistive():
                 self.resistive(behaviour, ports)

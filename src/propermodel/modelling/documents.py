@@ -127,6 +127,7 @@ BEHAVIOUR = tagged(
             laws=many(record(ResistanceLaw, results=many(RESULT))),
             locked=optional(EXPR),
             implicit=many(EXPR),
+            converts=BOOLEAN,
             preference=optional(choice((Preference.EFFORT, Preference.FLOW))),
         ),
     ),

@@ -108,6 +108,21 @@ class Thermal(Domain):
     datum = "temperature counts from ambient, so heat counts by what could still do work"
 
 
+class PseudoThermal(Domain):
+    """Heat as a pseudo bond: temperature and heat flow, whose product is no power.
+
+    Connected ports have one temperature. Only a converter joins these bonds with true ones.
+    """
+
+    name = "pseudo_thermal"
+    effort, effort_unit = "temperature", "K"
+    flow, flow_unit = "heat flow", "W"
+    displacement_unit, momentum_unit = "J", "K.s"
+    shared = Shared.EFFORT
+    datum = "temperature counts from absolute zero"
+    is_true = False
+
+
 class Electrical(Domain):
     """Electricity: voltage and current; connected pins have one potential."""
 

@@ -33,8 +33,11 @@ class MultiportResistance(Component):
 
     Each mapping gives one variable of every port, `{self.shaft.effort: ..., self.oil.flow: ...}`, in terms of
     the other variables (`self.shaft.flow`, `self.oil.effort`). `residuals()` gives an implicit law, one expression
-    of efforts and flows per port that vanishes, for the causalities without a law.
+    of efforts and flows per port that vanishes, for the causalities without a law. With `converts = True` it may join
+    true bonds with pseudo ones, as an electric heater does with a graph of temperatures and heat flows.
     """
+
+    converts: ClassVar[bool] = False
 
     def laws(self) -> tuple[Mapping[Expr, ExprLike], ...]:
         """One mapping for each causality offered."""

@@ -100,12 +100,14 @@ class ResistanceLaw:
 class Resistive:
     """A resistance: a law for each causality it can take; while `locked` holds, its flow is held.
 
-    `implicit` holds one expression per port that vanishes, 0 = g(efforts, flows); it serves where no law fits.
+    `implicit` holds one expression per port that vanishes, 0 = g(efforts, flows); it serves where no law fits. Only
+    what `converts` has ports on both true and pseudo bonds.
     """
 
     laws: tuple[ResistanceLaw, ...]
     locked: Expr | None = None
     implicit: tuple[Expr, ...] = ()
+    converts: bool = False
     preference: Preference | None = None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -229,7 +229,27 @@ def trace(cls: type[Component], component: Component) -> Behaviour:
     tracer = Tracer(cls, component)
     behaviour = _behaviour(tracer, cls)
     tracer.faults.raise_if_any()
+    if isinstance(behaviour, Resistive | Storage | PowerSource | TwoPort):
+        _check_pseudo(tracer, isinstance(behaviour, Resistive) and behaviour.converts)
     return behaviour
+
+
+def _check_pseudo(tracer: Tracer, converts: bool) -> None:
+    """Refuse an element on true and pseudo bonds that is not declared to convert between them."""
+    true = [name for name in tracer.element_ports if tracer.ports[name].domain.is_true]
+    pseudo = [name for name in tracer.element_ports if name not in true]
+    if true and pseudo and not converts:
+        raise ModelError.of(
+            "model/pseudo-domain",
+            f"{tracer.cls.__name__} joins true bonds ({', '.join(true)}) with pseudo bonds ({', '.join(pseudo)}), "
+            "whose effort times flow is no power",
+            source=tracer.cls.defined_at,
+            involved=[
+                Involved(name, f"is {tracer.ports[name].domain.name}", tracer.ports[name].source)
+                for name in (*true, *pseudo)
+            ],
+            help="a MultiportResistance that is meant to convert says so: converts = True",
+        )
 
 
 def _behaviour(tracer: Tracer, cls: type[Component]) -> Behaviour:
@@ -339,7 +359,7 @@ def _multiport_resistance(tracer: Tracer) -> Resistive:
         raise tracer.missing(
             f"residual for every port: {len(implicit)} for the ports {', '.join(tracer.element_ports)}"
         )
-    return Resistive(laws=tuple(laws), implicit=implicit)
+    return Resistive(laws=tuple(laws), implicit=implicit, converts=bool(getattr(tracer.cls, "converts", False)))
 
 
 def _limits(tracer: Tracer) -> tuple[Expr, Expr]:
@@ -365,7 +385,7 @@ def _one_port_storage(tracer: Tracer, kind: ElementKind, coordinate: str, output
     if inverse is None:
         inverse = linear_inverse(law, state, out)
     if tracer.has("energy"):
-        energy = tracer.law("energy", "J" if port.domain.is_true else "", state)
+        energy = _energy(tracer, [port], state)
     else:
         gain = derivative(law, state)
         if state in leaves(gain):
@@ -382,6 +402,13 @@ def _one_port_storage(tracer: Tracer, kind: ElementKind, coordinate: str, output
         inverse=inverse,
         preference=_preference(tracer, storage=True),
     )
+
+
+def _energy(tracer: Tracer, ports: Sequence[Port[Any]], *args: Expr) -> Expr:
+    """The stored energy, J; on pseudo bonds the function whose slopes are the efforts, in their own unit."""
+    if all(port.domain.is_true for port in ports):
+        return tracer.law("energy", "J", *args)
+    return tracer.residual(tracer.call("energy", *args), "energy")
 
 
 def _states(tracer: Tracer) -> tuple[Coordinate, ...]:
@@ -419,7 +446,7 @@ def _multiport_storage(tracer: Tracer, kind: ElementKind, stored: str, outputs: 
     states = [symbol(SymbolKind.STATE, Path((c.name,)), c.unit) for c in coordinates]
     if len(coordinates) != len(tracer.element_ports):
         raise tracer.missing(f"one State per port ({len(tracer.element_ports)} ports, {len(coordinates)} states)")
-    energy = tracer.law("energy", "J")
+    energy = _energy(tracer, [tracer.ports[name] for name in tracer.element_ports])
     if tracer.has(stored):
         by_port = {path[0]: expr for path, expr in tracer.mapping(stored).items()}
         stored_laws = tuple((port, by_port[port]) for port in tracer.element_ports)

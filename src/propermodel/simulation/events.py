@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from propermodel.bondgraph.pseudo import pseudo_elements
 from propermodel.codegen.lower import Lowered
 from propermodel.codegen.machine import FloatArray, IntArray, Machine, Memory, has_risen
 from propermodel.codegen.program import Array
@@ -223,7 +224,10 @@ def _move(source: Memory, target: Memory) -> None:
 
 
 def _energy_entries(lowered: Lowered, compiled: CompiledModel) -> list[int]:
-    return [lowered.observables[stored.element / "energy"].index for stored in compiled.system.energies]
+    """Where the energies of all storage are; what storage on pseudo bonds holds is no energy."""
+    pseudo = pseudo_elements(compiled.graph)
+    stored = [found.element for found in compiled.system.energies if found.element not in pseudo]
+    return [lowered.observables[element / "energy"].index for element in stored]
 
 
 def _stopped(time: float) -> Ending:

@@ -12,15 +12,19 @@ from propermodel.library.thermal.components import (
     Radiation,
     WallConductance,
 )
+from propermodel.library.thermal.heating import HeatingDamper, HeatingFriction
 from propermodel.library.thermal.sensors import TemperatureSensor
-from propermodel.library.thermal.sources import Ambient, HeatSource, TemperatureSource
+from propermodel.library.thermal.sources import Ambient, HeatFlowSource, HeatSource, TemperatureSource
 
 __all__ = [
     "Ambient",
     "Conduction",
     "Convection",
     "HeatCapacity",
+    "HeatFlowSource",
     "HeatSource",
+    "HeatingDamper",
+    "HeatingFriction",
     "HeatingResistor",
     "Radiation",
     "TemperatureSensor",

@@ -78,6 +78,14 @@ class Conduction(MultiportResistance):
             },
         )
 
+    def residuals(self) -> tuple[ExprLike, ...]:
+        """What leaves one side as heat enters the other, whatever is given."""
+        heat = self.conductance * (self.a.effort - self.b.effort)
+        return (
+            self.a.flow * (self.a.effort + self.ambient_temperature) - heat,
+            self.b.flow * (self.b.effort + self.ambient_temperature) + heat,
+        )
+
 
 class Convection(MultiportResistance):
     """Heat between a surface `a` and a fluid `b`, its conductance (coefficient times area) a signal."""
@@ -96,6 +104,14 @@ class Convection(MultiportResistance):
             },
         )
 
+    def residuals(self) -> tuple[ExprLike, ...]:
+        """What leaves one side as heat enters the other, whatever is given."""
+        heat = self.conductance * (self.a.effort - self.b.effort)
+        return (
+            self.a.flow * (self.a.effort + self.ambient_temperature) - heat,
+            self.b.flow * (self.b.effort + self.ambient_temperature) + heat,
+        )
+
 
 class Radiation(MultiportResistance):
     """Heat radiated between two grey surfaces: Q = sigma epsilon A (T_a^4 - T_b^4) (Stefan and Boltzmann)."""
@@ -111,6 +127,13 @@ class Radiation(MultiportResistance):
         at_b = self.b.effort + self.ambient_temperature
         heat = STEFAN_BOLTZMANN * self.emissivity * self.area * (at_a**4.0 - at_b**4.0)
         return ({self.a.flow: heat / at_a, self.b.flow: -heat / at_b},)
+
+    def residuals(self) -> tuple[ExprLike, ...]:
+        """What leaves one side as heat enters the other, whatever is given."""
+        at_a = self.a.effort + self.ambient_temperature
+        at_b = self.b.effort + self.ambient_temperature
+        heat = STEFAN_BOLTZMANN * self.emissivity * self.area * (at_a**4.0 - at_b**4.0)
+        return (self.a.flow * at_a - heat, self.b.flow * at_b + heat)
 
 
 class HeatingResistor(MultiportResistance):
@@ -138,4 +161,12 @@ class HeatingResistor(MultiportResistance):
                 self.port.flow: voltage / self.resistance,
                 self.heat.flow: -voltage * voltage / (self.resistance * temperature),
             },
+        )
+
+    def residuals(self) -> tuple[ExprLike, ...]:
+        """Ohm's law, and electrical power that leaves as heat."""
+        temperature = self.heat.effort + self.ambient_temperature
+        return (
+            self.port.effort - self.resistance * self.port.flow,
+            self.heat.flow * temperature + self.port.effort * self.port.flow,
         )

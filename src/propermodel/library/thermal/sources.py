@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from propermodel.expressions import Expr, ExprLike
-from propermodel.modelling import EffortSource, FlowSource, Input, Port, Thermal
+from propermodel.modelling import EffortSource, FlowSource, Input, Parameter, Port, Thermal, parameter
 
 
 class Ambient(EffortSource):
@@ -33,3 +33,14 @@ class HeatSource(FlowSource):
 
     def flow(self) -> Expr:
         return -self.entropy_flow
+
+
+class HeatFlowSource(FlowSource):
+    """A prescribed heat flow into whatever is connected; its entropy follows from the temperature that it meets."""
+
+    port = Port(Thermal)
+    heat_flow = Input("W")
+    ambient_temperature: Parameter = parameter("K", default=300.0, low=0.0)
+
+    def flow(self) -> Expr:
+        return -self.heat_flow / (self.port.effort + self.ambient_temperature)
