@@ -9,11 +9,14 @@ sys.path.insert(0, str(DOCS))
 
 project = "propermodel"
 author = "propermodel developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "gallery_pages", "law_pages"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "gallery_pages", "law_pages", "math_markup"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "propermodel"
+html_math_renderer = "mathml"
+html_static_path = ["static"]
+html_css_files = ["formulas.css"]
 exclude_patterns = ["_build", "decisions"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
