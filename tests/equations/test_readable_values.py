@@ -55,9 +55,8 @@ def points_of(model: CompiledModel, readable: ReadableEquations) -> tuple[dict[E
         read[leaf] = point[lookup(table, TIME)] = draw.uniform(0.2, 1.0)
     for state in model.system.states:
         point[state.symbol] = read[state.symbol] = draw.uniform(0.1, 0.9)
-    for _, values in model.system.updates:
-        for held, _ in values:
-            point[held] = read[held] = draw.uniform(0.1, 0.9)
+    for held in model.lowered.held:
+        point[held] = read[held] = draw.uniform(0.1, 0.9)
     for block in model.system.blocks:
         for unknown in block.unknowns:
             point[unknown] = read[quantity_symbol(graph, unknown)] = draw.uniform(0.1, 0.9)

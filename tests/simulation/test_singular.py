@@ -68,6 +68,15 @@ class TwoMasses(pm.Component):
     )
 
 
+class OneMass(pm.Component):
+    """A force on a mass."""
+
+    mass = Mass(mass=1.0)
+    force = Force(force=1.0)
+
+    connections = (pm.connect(force.flange, mass.flange),)
+
+
 def ending(component: pm.Component, backend: Backend = Backend.NATIVE, **given: object) -> pm.Trajectory:
     return pm.simulate(compiled(component, backend), scenario(1.0, **given), method=pm.Method.RK4, step=1e-3)
 
@@ -91,9 +100,14 @@ def test_bars_in_one_line_end_the_run_with_a_status(backend: Backend) -> None:
 
 
 def test_a_parameter_of_zero_is_named() -> None:
-    broken = ending(TwoMasses(), parameters={"first.mass": 0.0})
+    broken = ending(OneMass(), parameters={"mass.mass": 0.0})
     assert not broken.ending.is_complete
-    assert broken.ending.message.endswith("something is divided by zero, because first.mass is 0")
+    assert broken.ending.message.endswith("something is divided by zero, because mass.mass is 0")
+
+
+def test_a_parameter_of_zero_that_leaves_no_start_is_named() -> None:
+    with pytest.raises(SimulationError, match=r"what second\.momentum should store, because first\.mass is 0"):
+        ending(TwoMasses(), parameters={"first.mass": 0.0})
 
 
 def test_terms_that_cancel_are_named() -> None:

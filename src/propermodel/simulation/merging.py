@@ -20,6 +20,7 @@ from propermodel.expressions.core import Expr, SymbolKind, leaves
 from propermodel.expressions.derivatives import partial_derivatives
 from propermodel.modelling.model import Storage
 from propermodel.simulation.evaluate import HeldTable, evaluate, has_all
+from propermodel.simulation.zeros import zero_parameters
 
 # Starts that differ by less than this share of their size agree.
 AGREEMENT = 1e-9
@@ -163,10 +164,11 @@ def _merged(block: list[DependentStorage], starts: Starts) -> Values:
             break
         taken = found
     names = ", ".join(str(dependent.path) for dependent in block)
+    zero = zero_parameters(stored, lambda leaf: starts.values[leaf])
     raise SimulationError.of(
         "simulation/start",
-        f"no start of the states keeps what {names} should store",
-        help="give these parts starts that agree",
+        f"no start of the states keeps what {names} should store{zero and f', because {zero}'}",
+        help="give this parameter another value" if zero else "give these parts starts that agree",
     )
 
 

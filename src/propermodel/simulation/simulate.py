@@ -293,11 +293,13 @@ def _ending(compiled: CompiledModel, outcome: Outcome | Ending | None, memory: M
     if overflow is None and outcome.status in (Status.FINISHED, Status.PAUSED, Status.EVENT, RunStatus.STOPPED):
         overflow = overflow_at_end(memory)
     if overflow is not None:
-        path = _of_an_element(compiled, [compiled.lowered.powers[index].path for index in overflow.powers])
+        powers = [compiled.lowered.powers[index] for index in overflow.powers]
+        path = _of_an_element(compiled, [power.path for power in powers])
+        why = singular_reason(compiled, memory, (power.value for power in powers))
         return Ending(
             RunStatus.FAILED,
             f"stopped at {overflow.time:.6g} s: the energy exchanged at {path} is no longer a finite number; "
-            "try a smaller step",
+            f"{why or 'try a smaller step'}",
             overflow.time,
             path,
         )
