@@ -73,6 +73,13 @@ def two_names() -> object:
     return type("Twice", (Component,), {"left": spring, "right": spring})
 
 
+def reserved_name() -> object:
+    class Train(Component):
+        path = Mass(mass=1.0)
+
+    return Train()
+
+
 def unknown_path() -> object:
     return find_part(elaborate(Rig()), pm.Path(("sprng",)))
 
@@ -387,6 +394,13 @@ CASES = (
         names=("a.mass", "b.mass"),
         at="a=Mass(mass=Pair.b.mass)",
         cure="a number",
+    ),
+    Case(
+        code="model/reserved-name",
+        run=reserved_name,
+        names=("Train", "path"),
+        at="class Train(Component)",
+        cure="choose another name",
     ),
     Case(
         code="model/two-names",

@@ -212,7 +212,7 @@ class Component:
     energy_group: ClassVar[bool] = False
     declarations: ClassVar[Mapping[str, Any]] = {}
     names: ClassVar[Mapping[int, str]] = {}
-    source: Source
+    declared_at: Source
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -225,6 +225,14 @@ class Component:
                     del declarations[name]
         cls.declarations = declarations
         frame = call_site(1)
+        for name in declarations:
+            if name in RESERVED:
+                raise ModelError.of(
+                    "model/reserved-name",
+                    f"{cls.__name__} calls something '{name}', as every component calls what it needs itself",
+                    source=frame,
+                    help=f"choose another name, for example '{name}_1'",
+                )
         cls.names = _names(cls, declarations, frame)
         cls.defined_at = Source(frame.file, cls.__dict__.get("__firstlineno__", frame.line))
 
@@ -242,7 +250,7 @@ class Component:
                     involved=[Involved(n, "is a parameter of it", self.defined_at) for n in sorted(known)],
                     help=one_of(name, sorted(known), "it has no parameters"),
                 )
-        self._set(root=self, path=Path(), values=values, replaced={}, source=site)
+        self._set(root=self, path=Path(), values=values, replaced={}, declared_at=site)
 
     def _set(self, **attributes: Any) -> None:
         for name, value in attributes.items():
@@ -267,7 +275,7 @@ class Component:
             path=instance.path / name,
             values=part.values,
             replaced=part.replaced,
-            source=part.source,
+            declared_at=part.declared_at,
         )
         return view  # pyright: ignore[reportReturnType]
 
@@ -280,6 +288,10 @@ class Component:
     def name_of(self, declared: object) -> str:
         """The name that the class body gives to one of its ports, parameters or parts."""
         return type(self).names[id(declared)]
+
+
+# What nothing in a class body may be called; dir() also lists the names that instances have.
+RESERVED = frozenset({*dir(Component), *Component.__annotations__})
 
 
 def _names(cls: type, declarations: Mapping[str, Any], site: Source) -> dict[int, str]:
@@ -327,7 +339,7 @@ def replace(component: Component, **changes: Any) -> Any:
             )
         (replaced if isinstance(declared, Component) else values)[name] = change
     variant = object.__new__(type(component))
-    variant._set(root=variant, path=Path(), values=values, replaced=replaced, source=call_site(1))  # pyright: ignore[reportPrivateUsage]
+    variant._set(root=variant, path=Path(), values=values, replaced=replaced, declared_at=call_site(1))  # pyright: ignore[reportPrivateUsage]
     return variant
 
 

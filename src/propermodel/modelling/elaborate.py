@@ -77,7 +77,7 @@ class _Elaboration:
             definition=self.definition(component),
             values=values,
             tables=tables,
-            source=component.source,
+            source=component.declared_at,
         )
 
     def definition(self, component: Component) -> Definition:
@@ -229,7 +229,9 @@ class _Elaboration:
     def fault(self, component: Component, name: str, code: str, message: str, help: str) -> None:
         """Remember a fault of a part."""
         involved = (Involved(type(component).__name__, "is declared here", type(component).defined_at),)
-        self.faults.add(Diagnostic(code, f"{name}: {message}", source=component.source, involved=involved, help=help))
+        self.faults.add(
+            Diagnostic(code, f"{name}: {message}", source=component.declared_at, involved=involved, help=help)
+        )
 
     def connections(self, cls: type[Component], tracer: Tracer) -> tuple[Connection, ...]:
         """The wiring of a class body as data."""

@@ -7,12 +7,23 @@ to `b`.
 
 from propermodel.library.electrical.components import (
     Capacitor,
+    Conductor,
     CoupledInductors,
     Diode,
+    IdealGyrator,
     IdealTransformer,
     Inductor,
+    Potentiometer,
     Resistor,
+    SaturatingInductor,
     VariableResistor,
+    ZenerDiode,
+)
+from propermodel.library.electrical.controlled import (
+    CurrentControlledCurrent,
+    CurrentControlledVoltage,
+    VoltageControlledCurrent,
+    VoltageControlledVoltage,
 )
 from propermodel.library.electrical.machines import (
     DCMotor,
@@ -21,24 +32,46 @@ from propermodel.library.electrical.machines import (
     VoiceCoil,
 )
 from propermodel.library.electrical.sensors import CurrentSensor, VoltageSensor
-from propermodel.library.electrical.sources import CurrentSource, FloatingVoltageSource, Ground, VoltageSource
+from propermodel.library.electrical.sources import (
+    ConstantCurrent,
+    ConstantVoltage,
+    CurrentSource,
+    FloatingCurrentSource,
+    FloatingVoltageSource,
+    Ground,
+    VoltageSource,
+)
+from propermodel.library.electrical.transistors import FieldEffectTransistor
 
 __all__ = [
     "Capacitor",
+    "Conductor",
+    "ConstantCurrent",
+    "ConstantVoltage",
     "CoupledInductors",
+    "CurrentControlledCurrent",
+    "CurrentControlledVoltage",
     "CurrentSensor",
     "CurrentSource",
     "DCMotor",
     "Diode",
     "ElectromechanicalConversion",
+    "FieldEffectTransistor",
+    "FloatingCurrentSource",
     "FloatingVoltageSource",
     "Ground",
+    "IdealGyrator",
     "IdealTransformer",
     "Inductor",
     "OperationalAmplifier",
+    "Potentiometer",
     "Resistor",
+    "SaturatingInductor",
     "VariableResistor",
     "VoiceCoil",
+    "VoltageControlledCurrent",
+    "VoltageControlledVoltage",
     "VoltageSensor",
     "VoltageSource",
+    "ZenerDiode",
 ]

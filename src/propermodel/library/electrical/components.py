@@ -1,11 +1,13 @@
-"""Resistors, capacitors, inductors, diodes and transformers between pins."""
+"""Resistors, capacitors, inductors, diodes, transformers and gyrators between pins."""
 
 from __future__ import annotations
 
 from propermodel.expressions import Expr, ExprLike, exp, minimum
 from propermodel.modelling import (
     Compliance,
+    Component,
     Electrical,
+    Gyrator,
     Inertia,
     Input,
     MultiportInertia,
@@ -14,8 +16,15 @@ from propermodel.modelling import (
     Resistance,
     State,
     Transformer,
+    connect,
     parameter,
 )
+
+
+def exponential(voltage: Expr, scale: Expr, knee: Expr) -> Expr:
+    """exp(voltage / scale), going on as its tangent above `knee`."""
+    within = minimum(voltage, knee)
+    return exp(within / scale) * (1.0 + (voltage - within) / scale)
 
 
 class Resistor(Resistance):
@@ -64,6 +73,45 @@ class Inductor(Inertia):
         return self.inductance * self.start_current
 
 
+class Conductor(Resistance):
+    """An ohmic resistor by its conductance, which may be zero."""
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    conductance: Parameter = parameter("1/Ohm", low=0.0)
+
+    def flow(self, effort: Expr) -> Expr:
+        return self.conductance * effort
+
+
+class SaturatingInductor(Inertia):
+    """A coil whose iron saturates: i = lambda / L (1 + (lambda / lambda_s)^2).
+
+    At the flux linkage `saturation` it takes twice the current of a linear coil.
+    """
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    inductance: Parameter = parameter("H", low=0.0, doc="at small currents")
+    saturation: Parameter = parameter("V.s", low=0.0)
+    start_flux: Parameter = parameter("V.s", default=0.0)
+
+    def flow(self, momentum: Expr) -> Expr:
+        share = momentum / self.saturation
+        return momentum / self.inductance * (1.0 + share * share)
+
+    def energy(self, momentum: Expr) -> Expr:
+        """The integral of current over flux linkage."""
+        share = momentum / self.saturation
+        return 0.5 * momentum * momentum / self.inductance * (1.0 + 0.5 * share * share)
+
+    def start(self) -> Expr:
+        """The flux linkage at the start."""
+        return self.start_flux
+
+
 class VariableResistor(Resistance):
     """An ohmic resistor whose resistance is a signal."""
 
@@ -91,9 +139,29 @@ class Diode(Resistance):
     knee: Parameter = parameter("V", default=0.8)
 
     def flow(self, effort: Expr) -> Expr:
-        shape = exp(minimum(effort, self.knee) / self.thermal_voltage)
-        beyond = (effort - minimum(effort, self.knee)) / self.thermal_voltage
-        return self.saturation_current * (shape * (1.0 + beyond) - 1.0) + self.leakage * effort
+        forward = exponential(effort, self.thermal_voltage, self.knee) - 1.0
+        return self.saturation_current * forward + self.leakage * effort
+
+
+class ZenerDiode(Resistance):
+    """Two exponentials: forward as a Shockley diode, backward beyond the breakdown voltage.
+
+    i = I_s (exp(v / n V_t) - 1) - I_s exp(-(v + V_b) / n V_t) + G v; both go on as their tangents beyond `knee`.
+    """
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    breakdown_voltage: Parameter = parameter("V", low=0.0)
+    saturation_current: Parameter = parameter("A", default=1e-9, low=0.0)
+    thermal_voltage: Parameter = parameter("V", default=0.02585, low=0.0, doc="times the ideality factor")
+    leakage: Parameter = parameter("1/Ohm", default=1e-9, low=0.0)
+    knee: Parameter = parameter("V", default=0.8)
+
+    def flow(self, effort: Expr) -> Expr:
+        forward = exponential(effort, self.thermal_voltage, self.knee) - 1.0
+        backward = exponential(-effort - self.breakdown_voltage, self.thermal_voltage, self.knee)
+        return self.saturation_current * (forward - backward) + self.leakage * effort
 
 
 class IdealTransformer(Transformer):
@@ -109,6 +177,42 @@ class IdealTransformer(Transformer):
 
     def modulus(self) -> Expr:
         return self.ratio
+
+
+class IdealGyrator(Gyrator):
+    """Two pairs of pins: each voltage is `resistance` times the current at the other pair (Tellegen 1948)."""
+
+    primary_a = Port(Electrical)
+    primary_b = Port(Electrical)
+    secondary_a = Port(Electrical)
+    secondary_b = Port(Electrical)
+    a = Port(Electrical, between=(primary_a, primary_b))
+    b = Port(Electrical, between=(secondary_a, secondary_b))
+    resistance: Parameter = parameter("Ohm", low=0.0)
+
+    def modulus(self) -> Expr:
+        return self.resistance
+
+
+class Potentiometer(Component):
+    """A resistor with a sliding contact; `position` is a signal from 0 (wiper at `a`) to 1 (at `b`)."""
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    wiper = Port(Electrical)
+    position = Input("1")
+    resistance: Parameter = parameter("Ohm", low=0.0, doc="from end to end")
+
+    to_a = VariableResistor()
+    to_b = VariableResistor()
+
+    connections = (
+        connect(a, to_a.a),
+        connect(to_a.b, wiper, to_b.a),
+        connect(to_b.b, b),
+        connect(resistance * position, to_a.resistance),
+        connect(resistance * (1.0 - position), to_b.resistance),
+    )
 
 
 class CoupledInductors(MultiportInertia):

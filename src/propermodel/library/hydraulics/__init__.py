@@ -11,7 +11,13 @@ from propermodel.library.hydraulics.fluids import NITROGEN, BenedictWebbRubin
 from propermodel.library.hydraulics.lines import LaminarLine, LineSection, OilInertia
 from propermodel.library.hydraulics.machines import Displacement, PumpMotor, TorqueLoss, UnitFriction, VolumetricLoss
 from propermodel.library.hydraulics.sensors import FlowSensor, PressureSensor
-from propermodel.library.hydraulics.sources import OpenTank, PressureSource, VolumeFlowSource
+from propermodel.library.hydraulics.sources import (
+    ConstantPressure,
+    ConstantVolumeFlow,
+    OpenTank,
+    PressureSource,
+    VolumeFlowSource,
+)
 from propermodel.library.hydraulics.valves import CheckValve, MeteringOrifice, ReliefValve, ServoValve
 from propermodel.library.hydraulics.vessels import GasAccumulator, LevelTank
 
@@ -19,6 +25,8 @@ __all__ = [
     "NITROGEN",
     "BenedictWebbRubin",
     "CheckValve",
+    "ConstantPressure",
+    "ConstantVolumeFlow",
     "Cylinder",
     "Displacement",
     "FixedPump",

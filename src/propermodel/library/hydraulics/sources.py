@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from propermodel.expressions import Expr, ExprLike
-from propermodel.modelling import EffortSource, FlowSource, Hydraulic, Input, Port
+from propermodel.modelling import EffortSource, FlowSource, Hydraulic, Input, Parameter, Port, parameter
 
 
 class OpenTank(EffortSource):
@@ -30,6 +30,26 @@ class VolumeFlowSource(FlowSource):
 
     port = Port(Hydraulic)
     volume_flow = Input("m3/s")
+
+    def flow(self) -> Expr:
+        return -self.volume_flow
+
+
+class ConstantPressure(EffortSource):
+    """A gauge pressure that is always the same."""
+
+    port = Port(Hydraulic)
+    pressure: Parameter = parameter("Pa")
+
+    def effort(self) -> Expr:
+        return self.pressure
+
+
+class ConstantVolumeFlow(FlowSource):
+    """A volume flow into whatever is connected that is always the same."""
+
+    port = Port(Hydraulic)
+    volume_flow: Parameter = parameter("m3/s")
 
     def flow(self) -> Expr:
         return -self.volume_flow

@@ -14,12 +14,21 @@ from propermodel.library.thermal.components import (
 )
 from propermodel.library.thermal.heating import HeatingDamper, HeatingFriction
 from propermodel.library.thermal.sensors import TemperatureSensor
-from propermodel.library.thermal.sources import Ambient, HeatFlowSource, HeatSource, TemperatureSource
+from propermodel.library.thermal.sources import (
+    Ambient,
+    ConstantHeatFlow,
+    FixedTemperature,
+    HeatFlowSource,
+    HeatSource,
+    TemperatureSource,
+)
 
 __all__ = [
     "Ambient",
     "Conduction",
+    "ConstantHeatFlow",
     "Convection",
+    "FixedTemperature",
     "HeatCapacity",
     "HeatFlowSource",
     "HeatSource",

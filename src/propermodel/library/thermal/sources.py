@@ -44,3 +44,25 @@ class HeatFlowSource(FlowSource):
 
     def flow(self) -> Expr:
         return -self.heat_flow / (self.port.effort + self.ambient_temperature)
+
+
+class FixedTemperature(EffortSource):
+    """An absolute temperature that is always the same."""
+
+    port = Port(Thermal)
+    temperature: Parameter = parameter("K", low=0.0)
+    ambient_temperature: Parameter = parameter("K", default=300.0, low=0.0)
+
+    def effort(self) -> Expr:
+        return self.temperature - self.ambient_temperature
+
+
+class ConstantHeatFlow(FlowSource):
+    """A heat flow into whatever is connected that is always the same."""
+
+    port = Port(Thermal)
+    heat_flow: Parameter = parameter("W")
+    ambient_temperature: Parameter = parameter("K", default=300.0, low=0.0)
+
+    def flow(self) -> Expr:
+        return -self.heat_flow / (self.port.effort + self.ambient_temperature)

@@ -6,8 +6,10 @@ velocity of `a` less that of `b`. A gear takes power in at `a` and gives it out 
 """
 
 from propermodel.library.mechanics.rotation.components import (
+    Backlash,
     CoulombFriction,
     GravityPendulum,
+    QuadraticTorque,
     RotatingInertia,
     RotationalDamper,
     RotationalSpringDamper,
@@ -16,7 +18,7 @@ from propermodel.library.mechanics.rotation.components import (
     TorsionSpring,
     ViscousFriction,
 )
-from propermodel.library.mechanics.rotation.friction import LockingClutch, StickingFriction
+from propermodel.library.mechanics.rotation.friction import Brake, LockingClutch, StickingFriction
 from propermodel.library.mechanics.rotation.machines import (
     BeltDrive,
     Differential,
@@ -30,10 +32,20 @@ from propermodel.library.mechanics.rotation.machines import (
     passing_efficiency,
 )
 from propermodel.library.mechanics.rotation.sensors import RotationSensor, TorqueSensor
-from propermodel.library.mechanics.rotation.sources import FixedShaft, SpeedSource, TorqueSource
+from propermodel.library.mechanics.rotation.sources import (
+    ConstantSpeed,
+    ConstantTorque,
+    FixedShaft,
+    SpeedSource,
+    TorqueSource,
+)
 
 __all__ = [
+    "Backlash",
     "BeltDrive",
+    "Brake",
+    "ConstantSpeed",
+    "ConstantTorque",
     "CoulombFriction",
     "Differential",
     "FixedShaft",
@@ -43,6 +55,7 @@ __all__ = [
     "LossyGear",
     "ModulatedGear",
     "PlanetaryGear",
+    "QuadraticTorque",
     "RollingWheel",
     "RotatingInertia",
     "RotationSensor",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from propermodel.expressions import Expr, cos, exp, sin, tanh
+from propermodel.expressions import Expr, clip, cos, exp, sin, tanh
 from propermodel.modelling import (
     Compliance,
     Component,
@@ -44,6 +44,33 @@ class TorsionSpring(Compliance):
         return self.stiffness * displacement
 
 
+class Backlash(Compliance):
+    """A torsion spring with play: it carries nothing until half the play has been taken up in either sense."""
+
+    a = Port(Rotation)
+    b = Port(Rotation)
+    port = Port(Rotation, between=(a, b))
+    stiffness: Parameter = parameter("N.m/rad", low=0.0)
+    play: Parameter = parameter("rad", low=0.0, doc="from flank to flank")
+    start_twist: Parameter = parameter("rad", default=0.0)
+
+    def effort(self, displacement: Expr) -> Expr:
+        return self.stiffness * self._twist(displacement)
+
+    def energy(self, displacement: Expr) -> Expr:
+        """What the flanks have stored once they touch."""
+        twist = self._twist(displacement)
+        return 0.5 * self.stiffness * twist * twist
+
+    def start(self) -> Expr:
+        """The twist at the start, play included."""
+        return self.start_twist
+
+    def _twist(self, displacement: Expr) -> Expr:
+        half = 0.5 * self.play
+        return displacement - clip(displacement, -half, half)
+
+
 class RotationalDamper(Resistance):
     """A linear damper between two shafts."""
 
@@ -81,6 +108,18 @@ class ViscousFriction(Resistance):
 
     def effort(self, flow: Expr) -> Expr:
         return self.damping * flow
+
+
+class QuadraticTorque(Resistance):
+    """A fan, a propeller or a stirrer: T = T_n (omega / omega_n)^2 against the motion."""
+
+    shaft = Port(Rotation)
+    nominal_torque: Parameter = parameter("N.m", low=0.0)
+    nominal_speed: Parameter = parameter("rad/s", low=0.0)
+
+    def effort(self, flow: Expr) -> Expr:
+        share = flow / self.nominal_speed
+        return self.nominal_torque * share * abs(share)
 
 
 class CoulombFriction(Resistance):

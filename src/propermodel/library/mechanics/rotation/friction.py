@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from propermodel.expressions import Expr, ExprLike, where
+from propermodel.library.mechanics.rotation.sources import FixedShaft
 from propermodel.modelling import (
     Component,
     Discrete,
@@ -60,7 +61,7 @@ class LockingClutch(Resistance):
         )
 
 
-class ConstantTorque(SignalBlock):
+class ConstantCapacity(SignalBlock):
     """The same torque always."""
 
     torque: Parameter = parameter("N.m", low=0.0)
@@ -79,10 +80,27 @@ class StickingFriction(Component):
     breakaway: Parameter = parameter("1", default=1.0, low=1.0, doc="of the torque, to begin to slip")
 
     contact = LockingClutch(breakaway=breakaway)
-    capacity = ConstantTorque(torque=torque)
+    capacity = ConstantCapacity(torque=torque)
 
     connections = (
         connect(a, contact.a),
         connect(b, contact.b),
         connect(capacity.capacity, contact.capacity),
+    )
+
+
+class Brake(Component):
+    """A brake between a shaft and the frame that slips with its capacity, a signal, and holds the shaft at rest."""
+
+    shaft = Port(Rotation)
+    capacity = Input("N.m")
+    breakaway: Parameter = parameter("1", default=1.0, low=1.0, doc="of the capacity, to begin to slip")
+
+    disc = LockingClutch(breakaway=breakaway)
+    frame = FixedShaft()
+
+    connections = (
+        connect(shaft, disc.a),
+        connect(disc.b, frame.shaft),
+        connect(capacity, disc.capacity),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from propermodel.expressions import Expr, ExprLike
-from propermodel.modelling import EffortSource, FlowSource, Input, Port, Rotation
+from propermodel.modelling import EffortSource, FlowSource, Input, Parameter, Port, Rotation, parameter
 
 
 class FixedShaft(FlowSource):
@@ -30,6 +30,26 @@ class SpeedSource(FlowSource):
 
     shaft = Port(Rotation)
     speed = Input("rad/s")
+
+    def flow(self) -> Expr:
+        return self.speed
+
+
+class ConstantTorque(EffortSource):
+    """A torque in the positive sense that is always the same."""
+
+    shaft = Port(Rotation)
+    torque: Parameter = parameter("N.m")
+
+    def effort(self) -> Expr:
+        return -self.torque
+
+
+class ConstantSpeed(FlowSource):
+    """An angular velocity of whatever is connected that is always the same."""
+
+    shaft = Port(Rotation)
+    speed: Parameter = parameter("rad/s")
 
     def flow(self) -> Expr:
         return self.speed

@@ -23,9 +23,18 @@ from propermodel.library.mechanics.translation.components import (
 from propermodel.library.mechanics.translation.contact import Impact
 from propermodel.library.mechanics.translation.friction import StickingFriction
 from propermodel.library.mechanics.translation.sensors import ForceSensor, MotionSensor
-from propermodel.library.mechanics.translation.sources import Fixed, ForceSource, VelocitySource, Weight
+from propermodel.library.mechanics.translation.sources import (
+    ConstantForce,
+    ConstantVelocity,
+    Fixed,
+    ForceSource,
+    VelocitySource,
+    Weight,
+)
 
 __all__ = [
+    "ConstantForce",
+    "ConstantVelocity",
     "Damper",
     "DegressiveDamper",
     "ElasticStop",

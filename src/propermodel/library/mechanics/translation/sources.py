@@ -25,6 +25,26 @@ class ForceSource(EffortSource):
         return -self.force
 
 
+class ConstantForce(EffortSource):
+    """A force in the positive direction that is always the same."""
+
+    flange = Port(Translation)
+    force: Parameter = parameter("N")
+
+    def effort(self) -> Expr:
+        return -self.force
+
+
+class ConstantVelocity(FlowSource):
+    """A velocity of whatever is connected that is always the same."""
+
+    flange = Port(Translation)
+    velocity: Parameter = parameter("m/s")
+
+    def flow(self) -> Expr:
+        return self.velocity
+
+
 class VelocitySource(FlowSource):
     """A prescribed velocity of whatever is connected."""
 
