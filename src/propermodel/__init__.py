@@ -7,7 +7,7 @@ what compiles, runs and reduces them: those names are imported when first used.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from propermodel.diagnostics import Path, ProperModelError
+from propermodel.diagnostics import ModelWarning, Path, ProperModelError
 from propermodel.expressions import (
     Expr,
     absolute,
@@ -228,6 +228,7 @@ __all__ = [
     # model and scenario
     "Path",
     "ProperModelError",
+    "ModelWarning",
     "Model",
     "elaborate",
     "Scenario",

@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import gc
 import time
+import warnings
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import BondGraph
+from propermodel.bondgraph.separate import separate_parts
 from propermodel.causality.completion import complete_causality
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
+from propermodel.diagnostics import Diagnostic, ModelWarning
 from propermodel.equations.events import SystemEvent
 from propermodel.equations.formulate import formulate
 from propermodel.equations.state_selection import select_states
@@ -45,6 +49,11 @@ class CompiledModel:
         """The bond graph in normal form."""
         return self.system.causal.graph
 
+    @cached_property
+    def warnings(self) -> tuple[Diagnostic, ...]:
+        """What its author may not have meant, although it can be simulated."""
+        return separate_parts(self.graph)
+
     def machine(self, method: Method, lanes: int = 1) -> Machine:
         """The native code for one integration method."""
         key = (method, lanes)
@@ -65,7 +74,20 @@ class CompiledModel:
 
 
 def compile_model(model: Model, *, backend: Backend = Backend.NATIVE) -> CompiledModel:
-    """Compile a model, removals included.
+    """Compile a model, removals included; what its author may not have meant is shown as a `ModelWarning`.
+
+    Raises:
+        ModelError: ports or signals are not connected.
+        StructureError: the bond graph has no causality or its equations are singular.
+    """
+    compiled = compile_quietly(model, backend=backend)
+    for diagnostic in compiled.warnings:
+        warnings.warn(ModelWarning(diagnostic), stacklevel=2)
+    return compiled
+
+
+def compile_quietly(model: Model, *, backend: Backend = Backend.NATIVE) -> CompiledModel:
+    """Compile a variant of a model whose warnings have been shown.
 
     Raises:
         ModelError: ports or signals are not connected.
@@ -92,4 +114,4 @@ def _collection_later() -> Generator[None, None, None]:
             gc.enable()
 
 
-__all__ = ["Backend", "CompiledModel", "Method", "compile_model"]
+__all__ = ["Backend", "CompiledModel", "Method", "compile_model", "compile_quietly"]

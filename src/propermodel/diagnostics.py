@@ -139,6 +139,16 @@ class Diagnostic:
         return "\n".join(lines)
 
 
+class ModelWarning(UserWarning):
+    """A model can be simulated, but perhaps it is not what its author means; carries the diagnostic that says why."""
+
+    diagnostic: Diagnostic
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        self.diagnostic = diagnostic
+        super().__init__(str(diagnostic))
+
+
 class ProperModelError(Exception):
     """Base of every error of this package; carries the diagnostics it reports."""
 
@@ -198,6 +208,11 @@ class Faults:
         """Raise all faults found so far."""
         if self.found:
             raise self.error(self.found)
+
+
+def in_words(number: int) -> str:
+    """A small number as it is written in a sentence."""
+    return {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}.get(number, str(number))
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -346,6 +346,7 @@ class PseudoWall(Resistance):
         return self.conductance * effort
 
 
+@pytest.mark.filterwarnings("ignore:warning.structure/disconnected:propermodel.ModelWarning")
 def test_pseudo_bonds_are_not_ranked_with_true_ones():
     body, leak = PseudoBody(capacity=10.0), PseudoWall(conductance=1.0)
     mass, drag, wall = Mass(mass=1.0, start_velocity=1.0), Damper(damping=1.0), Fixed()

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 
 from propermodel.analysis.linearise import linearise, memory_at
 from propermodel.codegen.machine import Memory, Method
-from propermodel.compiler import Backend, CompiledModel, compile_model
+from propermodel.compiler import Backend, CompiledModel, compile_model, compile_quietly
 from propermodel.diagnostics import SimulationError
 from propermodel.library.vehicle.mission import mission
 from propermodel.library.vehicle.truck import HybridTruck
@@ -77,7 +77,7 @@ def test_frequency_response_of_a_quarter_car_is_that_of_its_equations_of_motion(
 @given(rig=rigs())
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 def test_state_matrix_is_the_numeric_jacobian_for_random_rigs(rig: Rig):
-    made = compile_model(elaborate(rig.component()), backend=Backend.INTERPRETED)
+    made = compile_quietly(elaborate(rig.component()), backend=Backend.INTERPRETED)
     model = linearise(made, Scenario())
     expected = numeric(made, begin(made, Scenario()))
     np.testing.assert_allclose(model.A, expected, rtol=1e-6, atol=1e-7 * (1.0 + np.abs(expected).max(initial=0.0)))
@@ -148,6 +148,7 @@ def test_python_control_gets_the_same_model():
     np.testing.assert_allclose(control.dcgain(other), 1.0, rtol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:warning.structure/disconnected:propermodel.ModelWarning")
 def test_python_control_gets_every_name_once():
     one, push = Mass(mass=1.0), Force(force=1.0)
     other, pull = Mass(mass=2.0), Force(force=1.0)

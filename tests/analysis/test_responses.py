@@ -102,6 +102,7 @@ def test_an_integral_has_a_pole_at_zero_and_no_static_gain():
         made(0.0)
 
 
+@pytest.mark.filterwarnings("ignore:warning.structure/disconnected:propermodel.ModelWarning")
 def test_an_input_that_an_output_does_not_show_has_the_transfer_function_zero():
     mass, other = free_mass(), free_pair()
     made = linear(system(mass=mass, other=other), inputs=["mass.push"], outputs=["other.one.flange.flow"])

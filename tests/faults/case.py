@@ -8,6 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
+
+from propermodel import Component, ModelWarning, compile_model, elaborate
 from propermodel.diagnostics import Diagnostic, ProperModelError
 
 ROOT = Path(__file__).parents[2]
@@ -51,3 +54,11 @@ class Case:
         """The lines of source files whose places stand in a text."""
         places = re.findall(r"([\w/.-]+\.py):(\d+)", text)
         return [linecache.getline(str(ROOT / file), int(line)).strip() for file, line in places]
+
+
+def warned(component: Component) -> tuple[Diagnostic, ...]:
+    """The warnings that compiling a model shows."""
+    with pytest.warns(ModelWarning) as shown:
+        compiled = compile_model(elaborate(component))
+    assert [str(warning.message) for warning in shown] == [str(diagnostic) for diagnostic in compiled.warnings]
+    return compiled.warnings

@@ -149,10 +149,13 @@ class PseudoHeat(Domain):
 
 
 class HeatSource(pm.EffortSource):
+    """Grows warm with a force."""
+
     port = Port(PseudoHeat)
+    force = pm.Input("N")
 
     def effort(self):
-        return pm.quantity(20.0, "K")
+        return pm.quantity(20.0, "K") + pm.quantity(1.0, "K/N") * self.force
 
 
 class Wall(Resistance):
@@ -166,7 +169,11 @@ class Wall(Resistance):
 class Warmed(Quarter):
     stove = HeatSource()
     wall = Wall()
-    connections = (*Quarter.connections, connect(stove.port, wall.port))
+    connections = (
+        *Quarter.connections,
+        connect(stove.port, wall.port),
+        connect(Quarter.body.flange.effort, stove.force),
+    )
 
 
 def pseudo_bonds() -> object:

@@ -24,7 +24,7 @@ from propermodel import (
     elaborate,
     parameter,
 )
-from tests.faults.case import Case
+from tests.faults.case import Case, warned
 from tests.parts import Fixed, Force, Ground, Mass, Resistor, Spring, Velocity, Voltage
 
 
@@ -77,6 +77,25 @@ class ShortedSource(Component):
     road = Velocity(velocity=1.0)
 
     connections = (connect(wall.flange, road.flange),)
+
+
+class Oscillator(Component):
+    mass = Mass(mass=1.0)
+    spring = Spring(stiffness=1.0)
+    wall = Fixed()
+
+    connections = (connect(mass.flange, spring.a), connect(spring.b, wall.flange))
+
+
+class TwoRooms(Component):
+    """Two oscillators that nothing couples."""
+
+    left_mass = Mass(mass=1.0)
+    left_spring = Spring(stiffness=4.0)
+    left_wall = Fixed()
+    right = Oscillator()
+
+    connections = (connect(left_mass.flange, left_spring.a), connect(left_spring.b, left_wall.flange))
 
 
 class HardMass(Inertia):
@@ -327,6 +346,13 @@ CASES = (
         run=lambda: pm.state_equations(dragged(), outputs=["mass.flange.flw"]),
         names=("mass.flange.flw",),
         cure="did you mean 'mass.flange.flow'?",
+    ),
+    Case(
+        code="structure/disconnected",
+        run=lambda: warned(TwoRooms()),
+        names=("two parts", "left", "with left_spring, left_wall", "right", "stands alone"),
+        at="right = Oscillator()",
+        cure="connect them where they should meet",
     ),
     Case(code="equations/no-sympy", run=without_sympy, names=("SymPy",), cure="propermodel[symbolic]"),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from tests.faults import document_cases, linear_cases, mechanism_cases, model_cases, simulation_cases, structure_cases
@@ -20,7 +22,7 @@ CASES = (
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.code)
 def test_a_fault_is_explained_to_the_person_who_can_fix_it(case: Case):
     text = case.text()
-    assert f"error[{case.code}]: " in text
+    assert re.search(rf"^(error|warning)\[{case.code}\]: ", text, re.MULTILINE)
     for name in case.names:
         assert name in text
     help = text.partition("\n  help: ")[2]

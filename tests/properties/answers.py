@@ -12,7 +12,7 @@ import numpy as np
 
 from propermodel.codegen.build import build_machine
 from propermodel.codegen.machine import FloatArray, Method
-from propermodel.compiler import Backend, CompiledModel, compile_model
+from propermodel.compiler import Backend, CompiledModel, compile_quietly
 from propermodel.diagnostics import ProperModelError, parse_path
 from propermodel.modelling import Scenario
 from propermodel.simulation.start import begin
@@ -59,7 +59,7 @@ def compiled(seed: int) -> CompiledModel | ProperModelError:
 def compile_or_refuse(graph: Graph) -> CompiledModel | ProperModelError:
     """The compiled model of a graph, or why there is none."""
     try:
-        return compile_model(model_of(graph), backend=Backend.INTERPRETED)
+        return compile_quietly(model_of(graph), backend=Backend.INTERPRETED)
     except ProperModelError as error:
         return error
 

@@ -10,7 +10,7 @@ from scipy.linalg import eigvals
 
 from propermodel.analysis.linearise import linearise
 from propermodel.codegen.machine import FloatArray
-from propermodel.compiler import Backend, CompiledModel, compile_model
+from propermodel.compiler import Backend, CompiledModel, compile_quietly
 from propermodel.modelling import Scenario
 from tests.properties.answers import accepted, drawn
 from tests.properties.graphs import Field, Graph, model_of
@@ -33,7 +33,7 @@ def linear(graph: Graph) -> Graph:
 def linear_models() -> list[tuple[Graph, CompiledModel]]:
     """The accepted graphs, made linear."""
     graphs = [linear(drawn(seed)) for seed, _ in accepted(SEEDS)]
-    return [(g, compile_model(model_of(g), backend=Backend.INTERPRETED)) for g in graphs]
+    return [(g, compile_quietly(model_of(g), backend=Backend.INTERPRETED)) for g in graphs]
 
 
 def distance(found: FloatArray, expected: FloatArray) -> float:
@@ -101,4 +101,4 @@ def graph_field(graph: Graph, path: str) -> Field | None:
 
 def stiffly_coupled(graph: Graph, storages: set[int], stiffness: float) -> CompiledModel:
     """The graph with its dependent storages behind couplings."""
-    return compile_model(model_of(with_stiff_couplings(graph, storages, stiffness)), backend=Backend.INTERPRETED)
+    return compile_quietly(model_of(with_stiff_couplings(graph, storages, stiffness)), backend=Backend.INTERPRETED)

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from propermodel.analysis.balance import energy_balance
 from propermodel.codegen.machine import FloatArray
-from propermodel.compiler import Backend, CompiledModel, compile_model
+from propermodel.compiler import Backend, CompiledModel, compile_quietly
 from tests.properties.answers import accepted, compiled, drawn
 from tests.properties.graphs import model_of
 from tests.properties.reference import Reference, Verdict
@@ -43,7 +43,7 @@ def test_what_sources_do_is_stored_or_dissipated():
 def test_native_code_runs_as_the_interpreter_does(seed: int):
     plain = compiled(seed)
     assert isinstance(plain, CompiledModel)
-    native = compile_model(model_of(drawn(seed)), backend=Backend.NATIVE)
+    native = compile_quietly(model_of(drawn(seed)), backend=Backend.NATIVE)
     start = start_of(plain)
     one, two = run(plain, start, STOP / 40), run(native, start, STOP / 40)
     for path in Reference(drawn(seed)).ports:

@@ -9,7 +9,7 @@ from propermodel.causality.causal import CausalGraph, Stroke, Why
 from propermodel.causality.closures import closures
 from propermodel.causality.fields import field_causalities
 from propermodel.causality.implicit import Given, implicit_causalities
-from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path, StructureError
+from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path, StructureError, in_words
 from propermodel.modelling.model import (
     ElementKind,
     JunctionKind,
@@ -358,7 +358,7 @@ class Assignment:
         if junction is not None and kinds == {_SETS[junction.kind]} and len(elements) > 1:
             variable = self.word(self.at[place][0], junction.kind.common)
             what = "flow" if junction.kind is JunctionKind.ONE else "effort"
-            message = f"{_count(len(elements))} {what} sources set the {variable} of one junction"
+            message = f"{in_words(len(elements))} {what} sources set the {variable} of one junction"
             cure = (
                 "put a compliance between them, or make one of them an effort source"
                 if junction.kind is JunctionKind.ONE
@@ -449,7 +449,3 @@ class Assignment:
 
 # The sources that set the common variable of a junction.
 _SETS = {JunctionKind.ZERO: ElementKind.EFFORT_SOURCE, JunctionKind.ONE: ElementKind.FLOW_SOURCE}
-
-
-def _count(number: int) -> str:
-    return {2: "two", 3: "three"}.get(number, str(number))

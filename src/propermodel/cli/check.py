@@ -9,7 +9,7 @@ from propermodel.cli.options import ModelText
 
 
 def check(model: ModelText) -> None:
-    """Elaborate and compile a model, and print every fault that is found."""
+    """Elaborate and compile a model, and print every fault and warning."""
     from propermodel.cli.models import load_subject
     from propermodel.compiler import compile_model
     from propermodel.diagnostics import ProperModelError
@@ -24,7 +24,9 @@ def check(model: ModelText) -> None:
         typer.echo(f"{count} fault{'s' if count > 1 else ''}", err=True)
         raise typer.Exit(FAULTS_FOUND) from None
     system = compiled.system
-    typer.echo(f"{compiled.model.name}: no faults")
+    count = len(compiled.warnings)
+    warned = f", {count} warning{'s' if count > 1 else ''}" if count else ""
+    typer.echo(f"{compiled.model.name}: no faults{warned}")
     typer.echo(
         f"{len(compiled.graph.normal.elements)} elements, {len(system.rows)} of them rows of a ranking, "
         f"{len(compiled.graph.normal.bonds)} bonds, {len(system.states)} states"

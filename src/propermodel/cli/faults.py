@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable
-from typing import Any
+import warnings
+from collections.abc import Generator, Iterable
+from contextlib import contextmanager
+from typing import Any, TextIO
 
 import typer
 from rich.console import Console
 from rich.text import Text
 from typer.core import TyperGroup
 
-from propermodel.diagnostics import Diagnostic, ProperModelError, Severity
+from propermodel.diagnostics import Diagnostic, ModelWarning, ProperModelError, Severity
 
 FAULTS_FOUND = 1  # the model has faults, or a run failed
 MISUSE = 2  # what was asked for cannot be done
@@ -29,7 +31,8 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the chosen command."""
         try:
-            return super().invoke(ctx)
+            with printed_warnings():
+                return super().invoke(ctx)
         except ProperModelError as error:
             print_diagnostics(error.diagnostics)
             raise typer.Exit(MISUSE) from None
@@ -49,6 +52,30 @@ class Commands(TyperGroup):
                 ]
             )
             raise typer.Exit(MISUSE) from None
+
+
+@contextmanager
+def printed_warnings() -> Generator[None, None, None]:
+    """Warnings about a model are printed as errors are, each time."""
+    with warnings.catch_warnings():
+        show_other = warnings.showwarning
+
+        def show(
+            message: Warning | str,
+            category: type[Warning],
+            filename: str,
+            lineno: int,
+            file: TextIO | None = None,
+            line: str | None = None,
+        ) -> None:
+            if isinstance(message, ModelWarning):
+                print_diagnostics([message.diagnostic])
+            else:
+                show_other(message, category, filename, lineno, file, line)
+
+        warnings.simplefilter("always", ModelWarning)
+        warnings.showwarning = show
+        yield
 
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from propermodel.analysis.activity import ActivityRanking, ActivityRow
-from propermodel.compiler import CompiledModel, compile_model
+from propermodel.compiler import CompiledModel, compile_quietly
 from propermodel.diagnostics import Path, ProperModelError, ReductionError, one_of
 from propermodel.expressions.core import Expr, SymbolKind, leaves
 from propermodel.modelling.model import Freeze, Removal
@@ -279,7 +279,7 @@ def _reduce(
 ) -> tuple[tuple[Freeze, ...], CompiledModel]:
     removals = tuple(dict.fromkeys(r for p in proposals for r in p.removals))
     frozen = signals_to_freeze(evidence, removals)
-    return frozen, compile_model(compiled.model.without((*removals, *frozen)))
+    return frozen, compile_quietly(compiled.model.without((*removals, *frozen)))
 
 
 def _assemble(

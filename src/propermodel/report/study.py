@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from propermodel.analysis.activity import ActivityRanking, rank_activity
 from propermodel.analysis.balance import EnergyBalance, energy_balance
 from propermodel.analysis.comparison import Comparison, compare
-from propermodel.compiler import CompiledModel, Method, compile_model
+from propermodel.compiler import CompiledModel, Method, compile_model, compile_quietly
 from propermodel.diagnostics import Diagnostic, Path, ProperModelError, SimulationError, one_of, parse_path
 from propermodel.modelling.model import ElementKind, Model, Scenario
 from propermodel.reduction.plan import Reduction, plan_reduction
@@ -187,7 +187,7 @@ def _stages(
         tolerance=options.tolerance,
         drop_driven=options.drop_driven,
     )
-    reduced_model = compile_model(model.without(reduction.removals))
+    reduced_model = compile_quietly(model.without(reduction.removals))
     fitting = fitting_scenario(reduced_model, scenario)
     reduced = so_far.run("reduced", reduced_model, fitting, options.step, options, say)
     compared = options.outputs or _most_active(ranking, full, reduced)
