@@ -96,6 +96,20 @@ def test_name_of_a_model_is_its_class_in_snake_case():
     assert elaborate(QuarterCar(), name="rig").name == "rig"
 
 
+@pytest.mark.parametrize(
+    ("written", "name"),
+    [
+        ("QuarterCarOnARoad", "quarter_car_on_a_road"),
+        ("RLC", "rlc"),
+        ("SeriesRLCCircuit", "series_rlc_circuit"),
+        ("DCMotor", "dc_motor"),
+        ("Truck6x6", "truck6x6"),
+    ],
+)
+def test_one_letter_and_several_capitals_are_words_in_the_name(written, name):
+    assert elaborate(type(written, (QuarterCar,), {})()).name == name
+
+
 class Gain(SignalBlock):
     given = Input("m/s")
     taken = Output("N")

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+from propermodel.equations.layout import wrapped
 from propermodel.equations.notation import LATEX, TEXT, Notation, latex_names, spelt_out
 from propermodel.expressions.core import ONE, Expr, SymbolKind
 
 if TYPE_CHECKING:
     from propermodel.equations.readable import ReadableEquations
 
-WIDTH = 100
-INDENT = 8  # of what continues a formula
-DEEPEST_BREAK = 4  # brackets within which a long term may still be broken
 FEW = 8  # as many states need no headings
 _KINDS = {
     SymbolKind.PARAMETER: "parameter",
@@ -42,10 +39,10 @@ def text_of(equations: ReadableEquations) -> str:
         if grouped and state.group != group:
             group = state.group
             lines += ["", f"{group or equations.title}:"]
-        lines += _wrapped(row, width)
+        lines += wrapped(*row, width)
     for heading, further in _further(equations, TEXT, names):
         lines += ["", heading]
-        lines += [text for row in further for text in _wrapped(row, max(len(left) for left, _ in further))]
+        lines += [text for row in further for text in wrapped(*row, max(len(left) for left, _ in further))]
     return "\n".join(lines)
 
 
@@ -111,49 +108,3 @@ def _further(
 
 def _with_unit(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
-
-
-def _wrapped(row: Line, width: int) -> list[str]:
-    """An equation, broken before the plus and minus signs between its terms where it is longer than the page."""
-    left, right = row
-    head = f"  {left:<{width}} = "
-    if len(head) + len(right) > WIDTH:
-        head = f"  {left} = "
-    lines = [head]
-    is_broken = False
-    for number, term in enumerate(_terms(right, 0)):
-        fits = len(lines[-1]) + len(term) <= WIDTH
-        if not fits or is_broken:
-            lines.append(" " * INDENT)
-        pieces = _pieces(term, WIDTH - INDENT)
-        is_broken = len(pieces) > 1
-        lines[-1] += (" " if number and lines[-1].strip() else "") + pieces[0]
-        for place, piece in enumerate(pieces[1:]):
-            space = " " if piece.startswith(("+", "-")) else ""
-            if not place or len(lines[-1]) + len(piece) >= WIDTH:
-                lines.append(" " * (INDENT + 4))
-                space = ""
-            lines[-1] += space + piece
-    return [line.rstrip() for line in lines]
-
-
-def _pieces(term: str, room: int) -> list[str]:
-    """A term that has no room on a line, cut between its factors, then at signs within brackets, outermost first."""
-    if len(term) <= room:
-        return [term]
-    pieces = [part for part in re.split(r"(?=[*/]\()", term) if part]
-    for depth in range(1, DEEPEST_BREAK):
-        pieces = [part for piece in pieces for part in ([piece] if len(piece) <= room else _terms(piece, depth))]
-    return pieces
-
-
-def _terms(formula: str, at: int) -> list[str]:
-    """A formula cut before every sign that stands in so many brackets."""
-    depth = begin = 0
-    found: list[str] = []
-    for place, sign in enumerate(formula):
-        depth += (sign in "([") - (sign in ")]")
-        if depth == at and formula[place : place + 3] in (" + ", " - "):
-            found.append(formula[begin:place])
-            begin = place + 1
-    return [*found, formula[begin:]]
