@@ -105,6 +105,7 @@ if TYPE_CHECKING:
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
+    from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
     from propermodel.simulation.simulate import simulate
     from propermodel.simulation.storage import load_trajectory, save_trajectory
@@ -147,6 +148,9 @@ _WHEN_USED = {
     "run_study": "report.study",
     "save_trajectory": "simulation.storage",
     "simulate": "simulation.simulate",
+    "simulate_many": "simulation.ensemble",
+    "designs": "simulation.ensemble",
+    "Ensemble": "simulation.ensemble",
     "state_equations": "equations.readable",
     "symbolic_matrices": "equations.matrices",
     "write_model": "modelling.documents",
@@ -250,6 +254,9 @@ __all__ = [
     "SymbolicMatrices",
     "simulate",
     "Trajectory",
+    "designs",
+    "simulate_many",
+    "Ensemble",
     "save_trajectory",
     "load_trajectory",
     # equilibria and linear models

@@ -361,6 +361,12 @@ CASES = (
         names=("suspension.spring.difference_ring2.carried",),
         cure="the bond of an element",
     ),
+    Case(
+        code="simulation/designs",
+        run=lambda: pm.designs(pm.Scenario(), {"body.mass": [1.0, 2.0], "tyre.stiffness": [1.0, 2.0, 3.0]}),
+        names=("2 of body.mass", "3 of tyre.stiffness"),
+        cure="one value for each design",
+    ),
     Case(code="reduction/threshold", run=lambda: planned(threshold=99.0), names=("99",), cure="0.99"),
     Case(
         code="reduction/unknown-output",

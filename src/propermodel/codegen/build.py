@@ -6,8 +6,10 @@ from enum import StrEnum
 
 from propermodel.codegen.interpreted import InterpretedMachine
 from propermodel.codegen.machine import Machine, Method
-from propermodel.codegen.native import NativeMachine
+from propermodel.codegen.native import NativeMachine, vector_lanes
 from propermodel.codegen.program import Program
+
+INTERPRETED_LANES = 256  # where the numbers of an operation cost more than its call
 
 
 class Backend(StrEnum):
@@ -26,3 +28,8 @@ def build_machine(program: Program, method: Method, lanes: int = 1, backend: Bac
     if backend is Backend.INTERPRETED:
         return InterpretedMachine(program, method, lanes)
     return NativeMachine(program, method, lanes)
+
+
+def best_lanes(backend: Backend) -> int:
+    """How many runs side by side cost least for each."""
+    return INTERPRETED_LANES if backend is Backend.INTERPRETED else vector_lanes()

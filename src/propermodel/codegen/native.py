@@ -176,7 +176,16 @@ class NativeMachine:
     def _evaluated(self, memory: Memory, function: Callable[..., int]) -> Work:
         work = self._work(memory)
         function(work.address, work.tables_address, memory.time)
-        failures = work.solve_failures()
+        failures = [failure for failure in work.solve_failures() if memory.alive[failure.lane]]
         if failures:
             raise not_converged(self._program, failures[0])
         return work
+
+
+def vector_lanes() -> int:
+    """How many numbers a vector register of this machine holds."""
+    import llvmlite.binding as llvm
+
+    binding: Any = llvm
+    features = binding.get_host_cpu_features()
+    return 8 if features.get("avx512f") else 4 if features.get("avx") else 2

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from propermodel.codegen.machine import TableData
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import Expr, Op, leaves, postorder
 from propermodel.expressions.interpret import interpret_all
-from propermodel.modelling.model import TableValues
 
 
 @dataclass(frozen=True, slots=True)
 class HeldTable:
     """The numbers of a table, and whether it keeps its last value outside its grid."""
 
-    values: TableValues
+    data: TableData
     holds: bool
 
 
@@ -44,9 +44,8 @@ def has_all(expr: Expr, given: Mapping[Expr, float], tables: Mapping[Path, HeldT
 
 
 def _interpolated(table: HeldTable, at: Sequence[float], axis: int | None) -> float:
-    numbers = np.reshape(np.array(table.values.values), [len(grid) for grid in table.values.grids])
-    for number, (x, points) in enumerate(zip(at, table.values.grids, strict=True)):
-        grid = np.array(points)
+    numbers = np.reshape(table.data.values, [len(grid) for grid in table.data.grids])
+    for number, (x, grid) in enumerate(zip(at, table.data.grids, strict=True)):
         cell = int(np.clip(np.searchsorted(grid, x, side="right") - 1, 0, len(grid) - 2))
         width = grid[cell + 1] - grid[cell]
         along = (x - grid[cell]) / width

@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-import numpy as np
-
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Path, Source
 from propermodel.modelling.model import Scenario, TableValues
+from propermodel.simulation.table_store import TableStore
 
 
-def faults_of_scenario(scenario: Scenario) -> Iterator[Diagnostic]:
+def faults_of_scenario(scenario: Scenario, store: TableStore) -> Iterator[Diagnostic]:
     """The inputs, tables and initial values of a scenario that are not finite."""
     for path, given in (*scenario.inputs.items(), *scenario.tables.items()):
-        numbers = [
-            np.array(n) for n in ((*given.grids, given.values) if isinstance(given, TableValues) else ([given],))
-        ]
-        wrong = [float(x) for array in numbers for x in array[~np.isfinite(array)]]
+        numbers = store.get(given).wrong if isinstance(given, TableValues) else (given,)
+        wrong = [number for number in numbers if not math.isfinite(number)]
         if wrong:
             yield _not_finite(
                 f"scenario '{scenario.name}' gives '{path}' the value {wrong[0]:g}",

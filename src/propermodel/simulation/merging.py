@@ -53,13 +53,15 @@ def merge_starts(system: EquationSystem, starts: Starts) -> tuple[Values, tuple[
     """
     notes: list[str] = []
     solvable = [d for d in system.dependents if _is_explicit(d, starts)]
-    free = [d for d in system.dependents if _factors(d, starts) and not _follows(d, starts)]
+    factors = {d.path: _factors(d, starts) for d in system.dependents}
+    follows = {d.path: _follows(d, factors[d.path], starts) for d in system.dependents}
+    free = [d for d in system.dependents if factors[d.path] and not follows[d.path]]
     # Storage that shares states meets as a whole or not at all: a part would depend on the choice of states.
-    blocks = [block for block in _blocks(free, starts) if all(d in solvable for d in block)]
+    blocks = [block for block in _blocks(free, factors) if all(d in solvable for d in block)]
     members = [dependent for block in blocks for dependent in block]
     changed: Values = {}
     for block in blocks:
-        found = _merged(block, starts)
+        found = _merged(block, factors, starts)
         if found:
             changed.update(found)
             notes.append(_merge_note(system, block, starts, found))
@@ -69,9 +71,9 @@ def merge_starts(system: EquationSystem, starts: Starts) -> tuple[Values, tuple[
         declared = starts.values[dependent.symbol]
         (now,) = starts.at([dependent.stored], changed)
         if _differ(now, declared):
-            follows = any(leaf.data.kind is SymbolKind.STATE for leaf in leaves(dependent.stored))
-            why = "it follows from other storage" if follows else "a source decides it"
-            if _follows(dependent, starts):
+            has_states = any(leaf.data.kind is SymbolKind.STATE for leaf in leaves(dependent.stored))
+            why = "it follows from other storage" if has_states else "a source decides it"
+            if follows[dependent.path]:
                 why = "the scenario gives the start of what it moves with"
             notes.append(f"{dependent.path} starts at {now:.6g} {dependent.unit}, not at {declared:.6g}: {why}")
     notes.extend(
@@ -98,16 +100,16 @@ def _factors(dependent: DependentStorage, starts: Starts) -> Values:
     return {symbol: float(value) for symbol, value in zip(symbols, values, strict=True) if value != 0.0}
 
 
-def _follows(dependent: DependentStorage, starts: Starts) -> bool:
-    reached = {state.data.path for state in _factors(dependent, starts)}
+def _follows(dependent: DependentStorage, factors: Values, starts: Starts) -> bool:
+    reached = {state.data.path for state in factors}
     return dependent.path not in starts.given and bool(reached & starts.given)
 
 
-def _blocks(members: list[DependentStorage], starts: Starts) -> list[list[DependentStorage]]:
+def _blocks(members: list[DependentStorage], factors: Mapping[Path, Values]) -> list[list[DependentStorage]]:
     """Dependent storages that share states, in the order of the model."""
     blocks: list[tuple[set[Expr], list[DependentStorage]]] = []
     for dependent in members:
-        reached, inside = set(_factors(dependent, starts)), [dependent]
+        reached, inside = set(factors[dependent.path]), [dependent]
         apart: list[tuple[set[Expr], list[DependentStorage]]] = []
         for states, others in blocks:
             if states & reached:
@@ -118,12 +120,12 @@ def _blocks(members: list[DependentStorage], starts: Starts) -> list[list[Depend
     return [inside for _, inside in blocks]
 
 
-def _merged(block: list[DependentStorage], starts: Starts) -> Values:
+def _merged(block: list[DependentStorage], known: Mapping[Path, Values], starts: Starts) -> Values:
     """The states of a block after its storages have met; empty where their starts agree.
 
     With s the stored quantities, s0 their declared starts and x0 the states, x = x0 + G (s - s0) and s = s(x).
     """
-    factors = [_factors(dependent, starts) for dependent in block]
+    factors = [known[dependent.path] for dependent in block]
     states = list(dict.fromkeys(state for found in factors for state in found))
     gain = np.array([[found.get(state, 0.0) for found in factors] for state in states])
     stored = [dependent.stored for dependent in block]

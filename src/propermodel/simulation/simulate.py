@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -12,15 +12,14 @@ import numpy as np
 
 from propermodel.codegen.machine import FloatArray, Machine, Memory, Method, Outcome, Request, Status
 from propermodel.codegen.program import Array
-from propermodel.codegen.schedule import number_solves
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
+from propermodel.simulation.endings import ending_of
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.events import Events
-from propermodel.simulation.overflow import Overflow, first_overflow, overflow_at_end
-from propermodel.simulation.singular import singular_reason
+from propermodel.simulation.overflow import Overflow, first_overflow
 from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.stopping import add_guard, drop_guard, stopping
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
@@ -91,26 +90,8 @@ def simulate(
     Raises:
         SimulationError: the scenario or an observable does not fit the model.
     """
-    if not -math.inf < scenario.start < scenario.stop < math.inf:
-        raise SimulationError.of(
-            "simulation/window",
-            f"scenario '{scenario.name}' goes from {scenario.start:g} s to {scenario.stop:g} s; it must end after its "
-            "start, both at finite times",
-            help="give it a later stop: Scenario(stop=...)",
-        )
-    if not 0.0 < step < math.inf:
-        raise SimulationError.of(
-            "simulation/step",
-            f"the step is {step} s; it must be positive and finite",
-            help="give a step well below the shortest period or time constant: simulate(..., step=1e-3)",
-        )
-    if not (record_every > 0.0 and integrals_every > 0.0):
-        raise SimulationError.of(
-            "simulation/period",
-            f"rows are kept every {record_every:g} s, and integrals every {integrals_every:g} s; both must be positive",
-            help="give the period of recording in seconds: simulate(..., record_every=0.1)",
-        )
-    selected = _selected(compiled, record)
+    check_settings(scenario, step, record_every, integrals_every)
+    selected = selected_entries(compiled, record)
     before = time.perf_counter()
     run_model = compiled if until is None else stopping(compiled, until)
     machine = run_model.machine(method)
@@ -155,7 +136,7 @@ def simulate(
         start_signals=start_signals,
         final_signals=_final_signals(machine, memory, outcome),
         memory=memory if until is None else drop_guard(memory),
-        ending=_ending(run_model, outcome, memory, rows),
+        ending=ending_of(run_model, outcome, memory, rows.before, rows.overflow),
         statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
         events=events.records,
         notes=notes,
@@ -170,6 +151,33 @@ def _begun(compiled: CompiledModel, scenario: Scenario, start: Literal["declared
             return equilibrium_start(compiled, scenario)
         case Start():
             return start
+
+
+def check_settings(scenario: Scenario, step: float, record_every: float, integrals_every: float) -> None:
+    """Check the window, the step and the periods of a run.
+
+    Raises:
+        SimulationError: one of them is not finite, not positive or in the wrong order.
+    """
+    if not -math.inf < scenario.start < scenario.stop < math.inf:
+        raise SimulationError.of(
+            "simulation/window",
+            f"scenario '{scenario.name}' goes from {scenario.start:g} s to {scenario.stop:g} s; it must end after its "
+            "start, both at finite times",
+            help="give it a later stop: Scenario(stop=...)",
+        )
+    if not 0.0 < step < math.inf:
+        raise SimulationError.of(
+            "simulation/step",
+            f"the step is {step} s; it must be positive and finite",
+            help="give a step well below the shortest period or time constant: simulate(..., step=1e-3)",
+        )
+    if not (record_every > 0.0 and integrals_every > 0.0):
+        raise SimulationError.of(
+            "simulation/period",
+            f"rows are kept every {record_every:g} s, and integrals every {integrals_every:g} s; both must be positive",
+            help="give the period of recording in seconds: simulate(..., record_every=0.1)",
+        )
 
 
 class _Rows:
@@ -286,77 +294,14 @@ def _final_signals(machine: Machine, memory: Memory, outcome: Outcome | Ending |
     return np.full(machine.program.layout.lengths[Array.SIGNAL], np.nan)
 
 
-def _ending(compiled: CompiledModel, outcome: Outcome | Ending | None, memory: Memory, rows: _Rows) -> Ending:
-    at, overflow = memory.time, rows.overflow
-    if outcome is None:
-        return Ending(RunStatus.INTERRUPTED, f"interrupted at {at:.6g} s; what was computed is kept", at)
-    if overflow is None and outcome.status in (Status.FINISHED, Status.PAUSED, Status.EVENT, RunStatus.STOPPED):
-        overflow = overflow_at_end(memory)
-    if overflow is not None:
-        powers = [compiled.lowered.powers[index] for index in overflow.powers]
-        path = _of_an_element(compiled, [power.path for power in powers])
-        why = singular_reason(compiled, memory, (power.value for power in powers))
-        return Ending(
-            RunStatus.FAILED,
-            f"stopped at {overflow.time:.6g} s: the energy exchanged at {path} is no longer a finite number; "
-            f"{why or 'try a smaller step'}",
-            overflow.time,
-            path,
-        )
-    if isinstance(outcome, Ending):
-        return outcome
-    match outcome.status:
-        case Status.FINISHED | Status.PAUSED | Status.EVENT:
-            return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
-        case Status.NOT_FINITE:
-            path = compiled.system.states[outcome.index].path
-            why = singular_reason(compiled, rows.before)
-            return Ending(
-                RunStatus.FAILED,
-                f"stopped at {outcome.time:.6g} s: the state {path} is no longer a finite number; "
-                f"{why or 'try a smaller step'}",
-                outcome.time,
-                path,
-            )
-        case Status.OUT_OF_RANGE:
-            state = compiled.system.states[outcome.index]
-            value = float(memory.state[outcome.index])
-            return Ending(
-                RunStatus.FAILED,
-                f"stopped at {outcome.time:.6g} s: the state {state.path} = {value:.6g} {state.unit} has left the "
-                "range it is meant for",
-                outcome.time,
-                state.path,
-            )
-        case Status.NOT_CONVERGED:
-            block = list(number_solves(compiled.lowered.program))[outcome.index]
-            names = ", ".join(str(path) for path in dict.fromkeys(block.paths))
-            closing = [str(c.element) for c in compiled.system.closures if c.element in block.paths]
-            if closing and (len(closing) == len(block.paths) or block.unknowns[0].data.path.name == "rank"):
-                return Ending(
-                    RunStatus.FAILED,
-                    f"stopped at {outcome.time:.6g} s: the mechanism is in a singular position: {', '.join(closing)} "
-                    "do not hold it independently there (bars in one line, a dead centre, a constraint stated twice)",
-                    outcome.time,
-                    block.paths[0],
-                )
-            return Ending(
-                RunStatus.FAILED,
-                f"stopped at {outcome.time:.6g} s: Newton's method found no solution for {names}",
-                outcome.time,
-                block.paths[0],
-            )
-
-
-def _of_an_element(compiled: CompiledModel, paths: Sequence[Path]) -> Path:
-    """The first of these paths that is a bond of an energy element, as authors know it, or the first."""
-    known = {bond for row in compiled.system.rows for bond in row.bonds}
-    return next((path for path in paths if path in known), paths[0])
-
-
-def _selected(
+def selected_entries(
     compiled: CompiledModel, record: Iterable[Expr | Path | str] | None
 ) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """The entries of the program's signals that hold these observables; by default all of them.
+
+    Raises:
+        SimulationError: the model has no such observable.
+    """
     known = compiled.lowered.observables
     if record is None:
         return np.arange(compiled.lowered.signal_count, dtype=np.int64)

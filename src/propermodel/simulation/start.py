@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propermodel.codegen.lower import is_uniform
-from propermodel.codegen.machine import FloatArray, Memory, TableData, start_memory
+from propermodel.codegen.machine import FloatArray, Memory, start_memory
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
@@ -22,6 +21,7 @@ from propermodel.simulation.evaluate import HeldTable
 from propermodel.simulation.finite import faults_of_scenario, faults_of_values
 from propermodel.simulation.merging import Starts, merge_starts
 from propermodel.simulation.singular_fields import singular_fields
+from propermodel.simulation.table_store import StoredTable, TableStore
 
 Values = dict[Expr, float]
 
@@ -86,21 +86,27 @@ def begin(compiled: CompiledModel, scenario: Scenario) -> Memory:
     return start_of(compiled, scenario).memory
 
 
-def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
+def start_of(compiled: CompiledModel, scenario: Scenario, store: TableStore | None = None) -> Start:
     """The memory of a run at its start, with notes on starts that could not be kept as declared.
+
+    Args:
+        compiled: The model.
+        scenario: The scenario.
+        store: Tables that other runs have brought, and this one may; by default the run has its own.
 
     Raises:
         SimulationError: the scenario names something that does not exist, its numbers do not fit, or no start keeps
             what dependent storage should hold.
     """
+    store = TableStore() if store is None else store
     faults = Faults(SimulationError)
     parameters = parameter_values(compiled, scenario.parameters)
     flat = compiled.graph.parameters
-    faults.found.extend(faults_of_scenario(scenario))
+    faults.found.extend(faults_of_scenario(scenario, store))
     faults.found.extend(
         faults_of_values("parameter", ((p.path, parameters[p.symbol], p.source) for p in flat.values()))
     )
-    tables = _tables(compiled, scenario, faults)
+    tables = _tables(compiled, scenario, store, faults)
     given = _initial_states(compiled, scenario, parameters, faults)
     held = _held(compiled, scenario, parameters)
     faults.raise_if_any()
@@ -128,7 +134,7 @@ def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
                 parameters[flat[path].symbol] if path in flat else limits[path] for path in compiled.lowered.parameters
             ],
         },
-        tables=[TableData(tuple(np.array(g) for g in t.grids), np.array(t.values)) for t in tables.values()],
+        tables=[table.data for table in tables.values()],
         origin=scenario.start,
     )
     memory.lower[:] = [interpret(state.low, parameters) for state in compiled.system.states]
@@ -136,9 +142,9 @@ def start_of(compiled: CompiledModel, scenario: Scenario) -> Start:
     return Start(memory, notes)
 
 
-def _tables(compiled: CompiledModel, scenario: Scenario, faults: Faults) -> dict[Path, TableValues]:
+def _tables(compiled: CompiledModel, scenario: Scenario, store: TableStore, faults: Faults) -> dict[Path, StoredTable]:
     flat = compiled.graph.tables
-    found: dict[Path, TableValues] = {}
+    found: dict[Path, StoredTable] = {}
     for path in (*scenario.tables, *scenario.inputs):
         if path not in flat:
             faults.add(
@@ -152,9 +158,10 @@ def _tables(compiled: CompiledModel, scenario: Scenario, faults: Faults) -> dict
         table = flat[path]
         values = scenario.tables.get(path, table.values)
         if path in scenario.inputs:
-            values = _input(scenario.inputs[path], scenario)
+            values = _input(scenario.inputs[path], scenario, store)
         slot = compiled.lowered.program.layout.tables[index]
-        if len(values.grids) != slot.dimensions or (slot.is_uniform and not is_uniform(values)):
+        stored = store.get(values)
+        if len(values.grids) != slot.dimensions or (slot.is_uniform and not stored.is_uniform):
             faults.add(
                 Diagnostic(
                     "simulation/table-shape",
@@ -163,22 +170,22 @@ def _tables(compiled: CompiledModel, scenario: Scenario, faults: Faults) -> dict
                     help="give the table of the model the same kind of grid",
                 )
             )
-        found[path] = values
+        found[path] = stored
     return found
 
 
-def _input(value: float | TableValues, scenario: Scenario) -> TableValues:
+def _input(value: float | TableValues, scenario: Scenario, store: TableStore) -> TableValues:
     if isinstance(value, TableValues):
         return value
     end = scenario.stop if scenario.stop > scenario.start else scenario.start + 1.0
-    return TableValues(((scenario.start, end),), (float(value), float(value)))
+    return store.constant(float(value), scenario.start, end)
 
 
-def _grid_limits(tables: Mapping[Path, TableValues]) -> dict[Path, float]:
+def _grid_limits(tables: Mapping[Path, StoredTable]) -> dict[Path, float]:
     """The ends of table grids, which the program reads as parameters to count the time spent outside."""
     found: dict[Path, float] = {}
-    for path, values in tables.items():
-        for axis, grid in enumerate(values.grids):
+    for path, table in tables.items():
+        for axis, grid in enumerate(table.values.grids):
             found[path / f"low{axis}"] = grid[0]
             found[path / f"high{axis}"] = grid[-1]
     return found
@@ -189,7 +196,7 @@ def _starts(
     scenario: Scenario,
     given: Mapping[Path, float],
     known: Values,
-    tables: Mapping[Path, TableValues],
+    tables: Mapping[Path, StoredTable],
 ) -> Starts:
     """What the states and dependent storage are declared to start with."""
     system = compiled.system
@@ -197,7 +204,7 @@ def _starts(
     for item in (*system.states, *system.dependents):
         start = given.get(item.path)
         values[item.symbol] = interpret(item.start, known) if start is None else start
-    held = {p: HeldTable(t, compiled.graph.tables[p].spec.extrapolation == "hold") for p, t in tables.items()}
+    held = {p: HeldTable(t.data, compiled.graph.tables[p].spec.extrapolation == "hold") for p, t in tables.items()}
     return Starts(values, held, frozenset(given))
 
 

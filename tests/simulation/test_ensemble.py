@@ -1,0 +1,195 @@
+"""Many designs at once: each has the bits it has alone, and fails alone."""
+
+from __future__ import annotations
+
+import math
+import threading
+
+import numpy as np
+import pytest
+
+import propermodel as pm
+from propermodel.diagnostics import SimulationError
+from propermodel.library.mechanics.translation import Damper, Fixed, Impact, Mass, Spring, VelocitySource, Weight
+
+
+class Oscillator(pm.Component):
+    """A mass on a spring and a damper, on a base that may move."""
+
+    speed = pm.Input("m/s")
+
+    mass = Mass(mass=2.0, start_velocity=1.0)
+    spring = Spring(stiffness=50.0)
+    damper = Damper(damping=0.5)
+    base = VelocitySource()
+
+    connections = (
+        pm.connect(mass.flange, spring.a, damper.a),
+        pm.connect(spring.b, damper.b, base.flange),
+        pm.connect(speed, base.velocity),
+    )
+
+
+class Bouncing(pm.Component):
+    """A ball on a hard floor."""
+
+    ball = Mass(mass=1.0)
+    weight = Weight(mass=1.0)
+    floor = Impact(restitution=0.8, start_gap=1.0)
+    ground = Fixed()
+
+    connections = (
+        pm.connect(ball.flange, weight.flange, floor.a),
+        pm.connect(floor.b, ground.flange),
+    )
+
+
+@pytest.fixture(scope="module")
+def oscillator() -> pm.CompiledModel:
+    return pm.compile_model(pm.elaborate(Oscillator()))
+
+
+SCENARIO = pm.Scenario(stop=2.0, inputs={"speed": 0.0})
+STIFFNESS = np.linspace(20.0, 80.0, 11)
+
+
+@pytest.mark.parametrize("method", list(pm.Method))
+def test_each_design_has_the_bits_it_has_alone(oscillator: pm.CompiledModel, method: pm.Method):
+    scenarios = pm.designs(SCENARIO, {"spring.stiffness": STIFFNESS})
+    runs = pm.simulate_many(oscillator, scenarios, method=method, step=1e-3, record_every=0.1)
+    assert len(runs) == 11
+    for i in (0, 5, 10):
+        alone = pm.simulate(oscillator, scenarios[i], method=method, step=1e-3, record_every=0.1)
+        assert (runs.time == alone.time).all()
+        assert (runs.rows[i] == alone.columns).all()
+        assert (runs.final[i] == alone.final_signals).all()
+        assert (runs.activities[i] == alone.memory.activity).all()
+        assert (runs.integrals[i] == alone.memory.integral).all()
+
+
+@pytest.mark.parametrize(("lanes", "threads"), [(1, 1), (2, 3), (4, 1), (8, 2)])
+def test_lanes_threads_and_order_change_nothing(oscillator: pm.CompiledModel, lanes: int, threads: int):
+    scenarios = pm.designs(SCENARIO, {"spring.stiffness": STIFFNESS})
+    reference = pm.simulate_many(oscillator, scenarios, step=1e-3)
+    order = np.random.default_rng(lanes).permutation(11)
+    shuffled = [scenarios[i] for i in order]
+    runs = pm.simulate_many(oscillator, shuffled, step=1e-3, lanes=lanes, threads=threads)
+    assert (runs.final == reference.final[order]).all()
+    assert (runs.activities == reference.activities[order]).all()
+    assert runs.scenarios == tuple(shuffled)
+
+
+def test_designs_follow_the_closed_form(oscillator: pm.CompiledModel):
+    runs = pm.simulate_many(
+        oscillator,
+        pm.designs(SCENARIO, {"spring.stiffness": STIFFNESS}),
+        method=pm.Method.RK4,
+        step=1e-3,
+        record=["mass.flange.flow"],
+    )
+    decay = 0.5 / (2 * 2.0)
+    omega = np.sqrt(STIFFNESS / 2.0 - decay**2)
+    expected = np.exp(-decay * 2.0) * (np.cos(omega * 2.0) - decay / omega * np.sin(omega * 2.0))
+    np.testing.assert_allclose(runs.at_end("mass.flange.flow"), expected, rtol=1e-8)
+    kinetic = 0.5 * 2.0 * (expected**2 - 1.0)
+    np.testing.assert_allclose(runs.work("mass.flange"), kinetic, rtol=1e-7)
+    assert (runs.activity("mass.flange") >= np.abs(kinetic)).all()
+
+
+def test_a_design_that_fails_says_why_and_leaves_the_others_alone(oscillator: pm.CompiledModel):
+    damping = [0.5, 0.5, 1e5, 0.5, 0.5]  # an explicit step of 0.1 ms is stable up to 2 m / step
+    scenarios = pm.designs(SCENARIO, {"damper.damping": damping})
+    runs = pm.simulate_many(oscillator, scenarios, method=pm.Method.EULER, step=1e-4, record_every=0.1)
+    assert runs.failed == (2,)
+    alone = pm.simulate(oscillator, scenarios[2], method=pm.Method.EULER, step=1e-4, record_every=0.1)
+    assert runs.endings[2].status == alone.ending.status
+    assert runs.endings[2].path == alone.ending.path
+    assert "smaller step" in runs.endings[2].message
+    assert np.isnan(runs.final[2]).all()
+    assert np.isnan(runs.activities[2]).all()
+    assert np.isnan(runs.rows[2, -1]).all()
+    assert np.isfinite(runs.rows[2, 0]).all()
+    assert (runs.final[[0, 1, 3, 4]] == runs.final[0]).all()
+    assert "design 2: stopped at" in str(runs)
+
+
+def test_all_designs_may_fail(oscillator: pm.CompiledModel):
+    runs = pm.simulate_many(oscillator, pm.designs(SCENARIO, {"damper.damping": [1e5] * 5}), step=1e-3)
+    assert runs.failed == (0, 1, 2, 3, 4)
+    assert np.isnan(runs.final).all()
+
+
+def test_inputs_may_differ(oscillator: pm.CompiledModel):
+    ramp = pm.table_values([np.array([0.0, 2.0])], np.array([0.0, 1.0]))
+    scenarios = [
+        pm.Scenario(name=str(i), stop=2.0, inputs={"speed": speed}) for i, speed in enumerate([0.1, 0.2, 0.1, ramp])
+    ]
+    runs = pm.simulate_many(oscillator, scenarios, step=1e-3)
+    for i, scenario in enumerate(scenarios):
+        # Recording instants cut the time into ticks, whose steps begin at rounded times.
+        alone = pm.simulate(oscillator, scenario, step=1e-3, record_every=math.inf, integrals_every=math.inf)
+        assert (runs.final[i] == alone.final_signals).all()
+
+
+def test_windows_may_differ_where_no_rows_are_kept(oscillator: pm.CompiledModel):
+    scenarios = [pm.Scenario(stop=stop, inputs={"speed": 0.0}) for stop in (1.0, 2.0)]
+    runs = pm.simulate_many(oscillator, scenarios, step=1e-3)
+    for i, scenario in enumerate(scenarios):
+        # Recording instants cut the time into ticks, whose steps begin at rounded times.
+        alone = pm.simulate(oscillator, scenario, step=1e-3, record_every=math.inf, integrals_every=math.inf)
+        assert (runs.final[i] == alone.final_signals).all()
+    with pytest.raises(SimulationError, match="one window"):
+        pm.simulate_many(oscillator, scenarios, step=1e-3, record_every=0.1)
+
+
+def test_models_with_events_run_in_turn():
+    compiled = pm.compile_model(pm.elaborate(Bouncing()))
+    scenarios = pm.designs(pm.Scenario(stop=2.0), {"floor.restitution": [0.5, 0.7, 0.9]})
+    runs = pm.simulate_many(compiled, scenarios, step=1e-3, record=["ball.flange.flow"], record_every=0.25)
+    assert runs.lanes == 1
+    assert len(runs.time) == 9
+    for i, scenario in enumerate(scenarios):
+        alone = pm.simulate(compiled, scenario, step=1e-3, record_every=0.25)
+        assert runs.at_end("ball.flange.flow")[i] == alone.at_end("ball.flange.flow")
+        regular = [np.flatnonzero(np.isclose(alone.time, t))[-1] for t in runs.time]
+        assert (runs["ball.flange.flow"][i] == alone["ball.flange.flow"][regular]).all()
+
+
+def test_everything_comes_as_a_dataset(oscillator: pm.CompiledModel):
+    scenarios = pm.designs(SCENARIO, {"spring.stiffness": STIFFNESS, "mass.mass": 3.0})
+    runs = pm.simulate_many(oscillator, scenarios, step=1e-3, record=["mass.flange.flow"], record_every=0.5)
+    data = runs.to_xarray()
+    assert data["mass.flange.flow"].shape == (11, 5)
+    assert data["mass.flange.flow"].units == "m/s"
+    np.testing.assert_array_equal(data["parameter spring.stiffness"], STIFFNESS)
+    assert set(data["parameter mass.mass"].values) == {3.0}
+    assert data["activity"].sel(bond="mass.flange").shape == (11,)
+    assert data["parameter spring.stiffness"].units == "N/m"
+
+
+def test_progress_counts_designs(oscillator: pm.CompiledModel):
+    seen: list[tuple[int, int]] = []
+    pm.simulate_many(
+        oscillator,
+        pm.designs(SCENARIO, {"spring.stiffness": STIFFNESS}),
+        step=1e-3,
+        progress=lambda done, all: seen.append((done, all)),
+    )
+    assert seen[-1] == (11, 11)
+    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
+
+
+def test_what_was_not_recorded_is_named(oscillator: pm.CompiledModel):
+    runs = pm.simulate_many(oscillator, [SCENARIO], step=1e-3, record=["mass.flange.flow"])
+    with pytest.raises(SimulationError, match="was not recorded in these runs"):
+        runs.at_end("spring.port.effort")
+    with pytest.raises(SimulationError, match=r"did you mean 'mass\.flange'"):
+        runs.activity("mass.flang")
+    with pytest.raises(SimulationError, match="no designs"):
+        pm.simulate_many(oscillator, [])
+
+
+def test_a_scenario_that_does_not_fit_is_refused_before_its_turn(oscillator: pm.CompiledModel):
+    with pytest.raises(SimulationError, match="lies outside"):
+        pm.simulate_many(oscillator, pm.designs(SCENARIO, {"spring.stiffness": [50.0, -1.0]}), step=1e-3)
+    assert threading.active_count() < 20
