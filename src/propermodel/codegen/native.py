@@ -1,10 +1,16 @@
-"""The native machine: the whole loop of a program compiled in-process by LLVM."""
+"""The native machine: the whole loop of a program compiled in-process by LLVM.
+
+Code is compiled quickly at first, and thoroughly once a run is long enough to win back the time. Both give the same
+numbers to the last bit, as no instruction may be replaced by one of another value.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import math
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,13 +36,37 @@ from propermodel.codegen.print_program import print_program
 from propermodel.codegen.program import Array, Program
 
 LARGE_MODULE = 1_000_000  # characters
+# Thorough code makes a step some 10 to 30 % shorter and takes as long to make as it saves in about a million steps.
+LONG_RUN = 500_000  # steps of one lane
 _compile_lock = threading.Lock()
+
+
+@dataclass(frozen=True)
+class Levels:
+    """How hard LLVM tries: the level of its passes over instructions, and of the choice of machine code."""
+
+    passes: int
+    code: int
+
+
+QUICK = Levels(passes=0, code=0)
+
+
+def thorough(text: str) -> Levels:
+    """The levels that make steps short.
+
+    Higher levels of code schedule instructions anew, which takes half of the time and makes no step shorter; what
+    further passes add finds nothing in straight-line code that is printed without repetition. In a large module the
+    first passes take as long as all the rest, and steps no longer become shorter.
+    """
+    return Levels(passes=1 if len(text) < LARGE_MODULE else 0, code=1)
 
 
 class _Library:
     """Compiled code and its entry points; the code lives as long as this object."""
 
-    def __init__(self, text: str, has_events: bool) -> None:
+    def __init__(self, text: str, has_events: bool, levels: Levels) -> None:
+        self.levels = levels
         # llvmlite is slow to import and not needed by those who only interpret.
         import llvmlite.binding as llvm
 
@@ -45,17 +75,14 @@ class _Library:
             binding.initialize_native_target()
             binding.initialize_native_asmprinter()
             target = binding.Target.from_default_triple()
-            # Higher levels schedule instructions anew, which takes half of the time and makes no step shorter.
             machine = target.create_target_machine(
-                cpu=binding.get_host_cpu_name(), features=binding.get_host_cpu_features().flatten(), opt=1
+                cpu=binding.get_host_cpu_name(), features=binding.get_host_cpu_features().flatten(), opt=levels.code
             )
             module = binding.parse_assembly(text)
             module.triple = binding.get_default_triple()
             module.data_layout = str(machine.target_data)
             module.verify()
-            # What higher levels add finds nothing in straight-line code that is printed without repetition. In a large
-            # module the first level takes as long as all the rest, and steps no longer become shorter.
-            options = binding.create_pipeline_tuning_options(speed_level=1 if len(text) < LARGE_MODULE else 0)
+            options = binding.create_pipeline_tuning_options(speed_level=levels.passes)
             builder = binding.create_pass_builder(machine, options)
             builder.getModulePassManager().run(module, builder)
             self._engine = binding.create_mcjit_compiler(module, machine)
@@ -81,14 +108,24 @@ class NativeMachine:
     """Runs a program as native code; calls release the interpreter lock."""
 
     def __init__(
-        self, program: Program, method: Method, lanes: int = 1, most_instructions: int = MOST_INSTRUCTIONS
+        self,
+        program: Program,
+        method: Method,
+        lanes: int = 1,
+        most_instructions: int = MOST_INSTRUCTIONS,
+        long_run: float = LONG_RUN,
     ) -> None:
         self._program = program
         self._method = method
         self._lanes = lanes
         self._source = print_program(program, method, lanes, most_instructions)
-        self._library = _Library(self._source.text, program.guards is not None)
+        self._library = self._compiled(QUICK)
+        self._steps_to_thorough = long_run
+        self._improving = threading.Lock()
         self._tables: ReadyTables | None = None
+
+    def _compiled(self, levels: Levels) -> _Library:
+        return _Library(self._source.text, self._program.guards is not None, levels)
 
     @property
     def program(self) -> Program:
@@ -105,6 +142,11 @@ class NativeMachine:
         """How many runs it does side by side."""
         return self._lanes
 
+    @property
+    def levels(self) -> Levels:
+        """How hard its code was compiled so far."""
+        return self._library.levels
+
     def run(self, memory: Memory, request: Request) -> Outcome:
         """Continue the run in `memory` as requested."""
         check_request(self._program, memory, request)
@@ -113,8 +155,10 @@ class NativeMachine:
         work = self._work(memory)
         control = Control(self._source, memory, request, sample_periods(self._program, memory))
         failures: list[Failure] = []
+        library = self._library_for(memory, request)
+        steps_before = memory.steps_taken
         while True:
-            code = Code(self._library.run(work.address, work.tables_address, control.address))
+            code = Code(library.run(work.address, work.tables_address, control.address))
             control.update(memory)
             work.write_back()
             failures += work.solve_failures()
@@ -125,8 +169,18 @@ class NativeMachine:
             work.read_alive()
             if code in _STATUS or not memory.alive.any():
                 break
+        self._steps_to_thorough -= self._lanes * (memory.steps_taken - steps_before)
         step = work.event_step() if code is Code.EVENT else 0.0
         return control.outcome(memory, _STATUS.get(code), failures, step)
+
+    def _library_for(self, memory: Memory, request: Request) -> _Library:
+        """The code for a run: better code as soon as the steps taken and those still asked for are many."""
+        with self._improving:
+            ahead = self._lanes * (request.until - memory.time) / request.step
+            if ahead >= self._steps_to_thorough:
+                self._library = self._compiled(thorough(self._source.text))
+                self._steps_to_thorough = math.inf
+            return self._library
 
     def rates(self, memory: Memory) -> tuple[FloatArray, FloatArray]:
         """The RATE and POWER arrays at the memory's time; the memory is not changed."""
