@@ -1,4 +1,4 @@
-"""Strong components in order, and loops of definitions torn."""
+"""Loops of definitions, torn."""
 
 from __future__ import annotations
 
@@ -9,39 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from propermodel.diagnostics import Path, StructureError
-from propermodel.equations.loops import Resolution, strong_components
+from propermodel.equations.loops import Resolution
 from propermodel.equations.solve import eliminate
 from propermodel.expressions.core import SymbolKind, constant, symbol
 from propermodel.expressions.interpret import interpret, interpret_all
-
-
-def reach(count: int, edges: list[tuple[int, int]]) -> list[set[int]]:
-    """Everything that each node depends on, by repeated steps."""
-    known = [{i} | {j for a, j in edges if a == i} for i in range(count)]
-    for _ in range(count):
-        known = [set().union(*(known[j] for j in row)) for row in known]
-    return known
-
-
-@given(st.integers(1, 7).flatmap(lambda n: st.tuples(st.just(n), st.lists(st.tuples(*[st.integers(0, n - 1)] * 2)))))
-def test_strong_components_are_mutual_and_in_order(graph):
-    count, edges = graph
-    components = strong_components(count, edges)
-    assert sorted(i for c in components for i in c) == list(range(count))
-    known = reach(count, edges)
-    position = {i: n for n, c in enumerate(components) for i in c}
-    for i in range(count):
-        for j in range(count):
-            mutual = i in known[j] and j in known[i]
-            assert mutual is (position[i] == position[j]) or i == j
-            if j in known[i]:
-                assert position[j] <= position[i]
-
-
-def test_long_chain_of_components():
-    edges = [(i, i + 1) for i in range(5000)]
-    assert [c[0] for c in strong_components(5001, edges)] == list(range(5000, -1, -1))
-
 
 A, B, C, D = (symbol(SymbolKind.EFFORT, Path((name, "port", "effort")), "") for name in "abcd")
 P = symbol(SymbolKind.PARAMETER, Path(("p",)))

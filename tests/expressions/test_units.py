@@ -7,6 +7,8 @@ import math
 import pytest
 
 from propermodel.diagnostics import ModelError
+from propermodel.expressions import units
+from propermodel.expressions.si_units import SYMBOLS, read_si_unit
 from propermodel.expressions.units import dimension_text, parse_quantity, parse_unit
 
 
@@ -40,6 +42,32 @@ def test_factor_and_dimension(text, factor, dimension):
     unit = parse_unit(text)
     assert unit.factor == pytest.approx(factor, rel=1e-12)
     assert dimension_text(unit.dimension) == dimension
+
+
+COMPOSED = ("kJ/(kg.K)", "g/(kW.h)", "cm3/rev", "Pa.s2/m6", "m-1", "1/s", "mm2.MPa-3/(deg.us2)", "l/min", "m30")
+
+
+@pytest.mark.parametrize("text", [*SYMBOLS, *COMPOSED])
+def test_units_read_without_pint_are_those_of_pint(text):
+    factor, dimension = read_si_unit(text)
+    pint_quantity = units._registry().Quantity(1.0, units._to_pint(text)).to_base_units()
+    assert factor == pytest.approx(pint_quantity.magnitude, rel=1e-14)
+    powers = {name: power for name, power in pint_quantity.unit_items() if name != "radian"}
+    assert dict(dimension) == powers
+
+
+@pytest.mark.parametrize(("text", "factor"), [("cm3", 1e-6), ("mm2", 1e-6), ("l/min", 1 / 6e4), ("kJ/(kg.K)", 1e3)])
+def test_factors_are_rounded_once(text, factor):
+    assert parse_unit(text).factor == factor
+
+
+@pytest.mark.parametrize("text", ["psi", "ft.lbf", "mile/h", "(m/s)/K", "N.m/rad/s", "m/(s)2"])
+def test_other_units_are_left_to_pint(text):
+    assert read_si_unit(text) is None
+
+
+def test_a_unit_of_pint_is_read():
+    assert parse_unit("ft.lbf").factor == pytest.approx(1.3558179483314004, rel=1e-12)
 
 
 @pytest.mark.parametrize("text", ["foo", "N m", "N*m", "m^2", "9**9**9", "((m", "m;import os", "degC", "m" * 80])

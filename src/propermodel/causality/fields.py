@@ -6,11 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
-import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import maximum_bipartite_matching
-
 from propermodel.bondgraph.graph import Element
+from propermodel.causality.graph_algorithms import match_each
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import Expr, leaves
 from propermodel.modelling.model import Coordinate, Storage
@@ -51,9 +48,8 @@ def mixed(element: Element, derivative: tuple[str, ...]) -> Mixed | None:
     names = [element.path / c.name for c in storage.coordinates]
     chosen = [own.get(port, -1) for port in element.ports]
     if any(index < 0 or names[index] not in found for index, found in zip(chosen, used, strict=True)):
-        table = np.array([[name in found for name in names] for found in used], dtype=np.int8)
-        chosen = [int(column) for column in maximum_bipartite_matching(csr_array(table), perm_type="column")]
-    if min(chosen) < 0:
+        chosen = match_each([[k for k, name in enumerate(names) if name in found] for found in used])
+    if chosen is None:
         return None
     pairs = [(port, storage.coordinates[index]) for port, index in zip(element.ports, chosen, strict=True)]
     return Mixed(

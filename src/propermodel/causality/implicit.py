@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import maximum_bipartite_matching
-
 from propermodel.bondgraph.graph import Element
+from propermodel.causality.graph_algorithms import match_each
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import Expr, leaves
 from propermodel.modelling.model import Resistive, Variable
@@ -36,8 +33,5 @@ def pair(element: Element, behaviour: Resistive, given: Given) -> tuple[Expr, ..
     """For every port the part of the implicit law that is solved for what it gives; None where structure forbids it."""
     mentions = [{leaf.data.path for leaf in leaves(residual)} for residual in behaviour.implicit]
     wanted: list[Path] = [element.path / port / variable.value for port, variable in given]
-    table = np.array([[path in found for path in wanted] for found in mentions], dtype=np.int8)
-    chosen = maximum_bipartite_matching(csr_array(table), perm_type="row")
-    if np.any(chosen < 0):
-        return None
-    return tuple(behaviour.implicit[int(row)] for row in chosen)
+    chosen = match_each([[k for k, found in enumerate(mentions) if path in found] for path in wanted])
+    return None if chosen is None else tuple(behaviour.implicit[k] for k in chosen)

@@ -6,12 +6,9 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-
 from propermodel.bondgraph.graph import Bond, Element
 from propermodel.causality.causal import CausalGraph
+from propermodel.causality.graph_algorithms import strong_components
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import ElementKind, JunctionKind, PowerSource, Storage, TwoPort, Variable
 
@@ -185,19 +182,14 @@ class Signals:
         """The shortest causal loop through every element that stands in one; each loop once."""
         signals = [(name, variable) for name in self.structure.bonds for variable in Variable]
         number = {signal: index for index, signal in enumerate(signals)}
-        edges = [(number[before], index) for index, s in enumerate(signals) for before in self.follows_at_once(s)]
-        if not edges:
-            return []
-        rows, columns = np.array(edges).T
-        graph = coo_array((np.ones(len(edges)), (rows, columns)), shape=(len(signals), len(signals)))
-        _, labels = connected_components(graph, directed=True, connection="strong")
-        sizes = np.bincount(labels)
+        edges = ((index, number[before]) for index, s in enumerate(signals) for before in self.follows_at_once(s))
+        components = [c for c in strong_components(len(signals), edges) if len(c) > 1]
+        together = {signals[k]: {signals[j] for j in component} for component in components for k in component}
         found: dict[frozenset[Signal], CausalLoop] = {}
-        starts = [signal for signal in signals if sizes[labels[number[signal]]] > 1]
+        starts = [signal for signal in signals if signal in together]
         preferred = [signal for signal in starts if self.is_memoryless(signal)]
         for signal in preferred or starts[:1]:
-            members = {other for other in starts if labels[number[other]] == labels[number[signal]]}
-            loop = self._loop(signal, members)
+            loop = self._loop(signal, together[signal])
             found.setdefault(frozenset(loop.path.signals), loop)
         return list(found.values())
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from propermodel.bondgraph.graph import Element
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.fields import Mixed
+from propermodel.causality.graph_algorithms import strong_components
 from propermodel.diagnostics import Diagnostic, Involved, Path, Source, StructureError
 from propermodel.equations.closures import closures_of, positions_of
 from propermodel.equations.condense import condense
@@ -15,7 +16,7 @@ from propermodel.equations.events import SystemEvent, system_events
 from propermodel.equations.fields import causality_of, is_coordinate, state_symbol
 from propermodel.equations.impacts import impacts_of
 from propermodel.equations.impulses import impulse_slopes
-from propermodel.equations.loops import Resolution, strong_components
+from propermodel.equations.loops import Resolution
 from propermodel.equations.rows import rows_of
 from propermodel.equations.sequence import in_sequence
 from propermodel.equations.solve import eliminate

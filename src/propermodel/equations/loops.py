@@ -4,51 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
-
+from propermodel.causality.graph_algorithms import strong_components
 from propermodel.expressions.core import Expr, Substitution, SymbolKind, leaves, symbol
-
-
-def strong_components(count: int, edges: Iterable[tuple[int, int]]) -> list[list[int]]:
-    """Strongly connected components of a directed graph, those that others depend on first.
-
-    An edge (i, j) says that i depends on j.
-    """
-    pairs = list(dict.fromkeys(edges))
-    if not pairs:
-        return [[i] for i in range(count)]
-    rows, columns = np.array(pairs, dtype=np.int32).T
-    graph = csr_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-    number, labels = connected_components(graph, directed=True, connection="strong")
-    members: list[list[int]] = [[] for _ in range(number)]
-    for index, label in enumerate(labels):
-        members[int(label)].append(index)
-    return _in_order(members, [int(x) for x in labels], pairs)
-
-
-def _in_order(members: list[list[int]], labels: list[int], pairs: list[tuple[int, int]]) -> list[list[int]]:
-    needs: list[set[int]] = [set() for _ in members]
-    for i, j in pairs:
-        if labels[i] != labels[j]:
-            needs[labels[i]].add(labels[j])
-    order: list[list[int]] = []
-    done = [False] * len(members)
-    for start in range(len(members)):
-        stack = [start]
-        while stack:
-            label = stack[-1]
-            missing = [other for other in sorted(needs[label]) if not done[other]]
-            if done[label]:
-                stack.pop()
-            elif missing:
-                stack.extend(missing)
-            else:
-                done[label] = True
-                order.append(members[label])
-                stack.pop()
-    return order
 
 
 class Resolution:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from propermodel.bondgraph.graph import BondGraph, SampledController
-from propermodel.equations.loops import strong_components
+from propermodel.causality.graph_algorithms import strong_components
 from propermodel.expressions.core import Expr, SymbolKind, leaves
 
 

@@ -14,9 +14,9 @@ from propermodel.bondgraph.graph import Element, Structure
 from propermodel.causality.assign import assign_causality
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.completion import assign_beyond_laws
+from propermodel.causality.graph_algorithms import strong_components
 from propermodel.diagnostics import Path, StructureError
 from propermodel.equations.definitions import define
-from propermodel.equations.loops import strong_components
 from propermodel.expressions.core import Expr, Op, SymbolKind, leaves
 from propermodel.modelling.model import ElementKind, JunctionKind, TwoPort
 

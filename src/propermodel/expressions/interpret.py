@@ -6,8 +6,6 @@ import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 
-import numpy as np
-
 from propermodel.diagnostics import ModelError
 from propermodel.expressions.core import Expr, Op, postorder
 
@@ -102,18 +100,23 @@ def _apply(op: Op, args: list[float]) -> float:
         return float(FUNCTIONS[op](*args))
     except (ArithmeticError, ValueError):
         # As in generated code, the branch of a `where` that is not taken may be infinite or undefined.
-        with np.errstate(all="ignore"):
-            return float(_UFUNCS[op](*args))
+        return _ieee(op, args)
 
 
-_UFUNCS: dict[Op, Callable[..., np.float64]] = {
-    Op.MULTIPLY: np.multiply,
-    Op.DIVIDE: np.divide,
-    Op.POWER: np.power,
-    Op.SQUARE_ROOT: np.sqrt,
-    Op.EXPONENTIAL: np.exp,
-    Op.LOGARITHM: np.log,
-    Op.SINE: np.sin,
-    Op.COSINE: np.cos,
-    Op.FLOOR: np.floor,
-}
+def _ieee(op: Op, args: list[float]) -> float:
+    """What the processor gives where Python refuses: an infinity, or no number."""
+    import numpy as np
+
+    functions: dict[Op, Callable[..., np.float64]] = {
+        Op.MULTIPLY: np.multiply,
+        Op.DIVIDE: np.divide,
+        Op.POWER: np.power,
+        Op.SQUARE_ROOT: np.sqrt,
+        Op.EXPONENTIAL: np.exp,
+        Op.LOGARITHM: np.log,
+        Op.SINE: np.sin,
+        Op.COSINE: np.cos,
+        Op.FLOOR: np.floor,
+    }
+    with np.errstate(all="ignore"):
+        return float(functions[op](*args))

@@ -1,4 +1,4 @@
-"""Units as text in Modelica's spelling (`Pa.s2/m6`, `kJ/(kg.K)`), read by pint on first use.
+"""Units as text in Modelica's spelling (`Pa.s2/m6`, `kJ/(kg.K)`); pint is loaded for what is not of the SI.
 
 Inside, every number is in SI base units; a unit is a factor and a dimension: exponents of the SI base
 quantities. A unit with an offset (degC) is refused. Angles are dimensionless.
@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 from propermodel.diagnostics import ModelError
+from propermodel.expressions.si_units import LONGEST, read_si_unit
 
 Dimension = tuple[tuple[str, float], ...]
 DIMENSIONLESS: Dimension = ()
@@ -35,7 +36,7 @@ def _registry() -> Any:
 
 # A letter sequence followed by a signed exponent: `s2` means s**2, `m-1` means m**-1.
 # Numbers stand only in exponents and in fractions such as 1/s, so that reading a unit computes nothing large.
-_SPELLING = re.compile(r"[A-Za-zµμΩ%°./()\-0-9]{1,64}")
+_SPELLING = re.compile(rf"[A-Za-zµμΩ%°./()\-0-9]{{1,{LONGEST}}}")
 _EXPONENT = re.compile(r"([A-Za-zµΩ%]+)(-?\d+)")
 _REVOLUTION = re.compile(r"\brev(?![A-Za-z])")
 
@@ -54,6 +55,9 @@ def parse_unit(text: str) -> Unit:
     """
     if text in {"", "1", "-"}:
         return Unit("", 1.0, DIMENSIONLESS)
+    known = read_si_unit(text)
+    if known is not None:
+        return Unit(text, *known)
     registry = _registry()
     try:
         if not _SPELLING.fullmatch(text):

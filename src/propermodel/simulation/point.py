@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from propermodel.codegen.lower import Lowered
 from propermodel.codegen.machine import FloatArray, Memory
@@ -23,6 +23,9 @@ from propermodel.diagnostics import SimulationError
 from propermodel.equations.system import EquationSystem
 from propermodel.expressions.core import Expr, Op
 from propermodel.expressions.derivatives import local_partials
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 Row = Mapping[Expr, float]  # the non-zero derivatives of one quantity, by leaf
 NOTHING: Row = {}
@@ -82,6 +85,8 @@ class Point:
         Raises:
             SimulationError: the equations of an implicit block are singular here.
         """
+        from scipy.sparse import csr_array
+
         rows = self._rows(roots, wrt)
         column = {leaf: index for index, leaf in enumerate(wrt)}
         pointer = np.cumsum([0, *(len(row) for row in rows)])
