@@ -7,15 +7,16 @@ stores: the compliance between the transformers.
 
 import propermodel as pm
 from propermodel.library.hydraulics import OilChamber, Piston, Plunger
-from propermodel.library.mechanics.translation import Fixed, ForceSource, Mass, SpringDamper
+from propermodel.library.mechanics.translation import Damper, Fixed, ForceSource, Mass, SpringDamper
 
 
 class Press(pm.Component):
-    """A hand pump, oil, a ram, and a workpiece that yields a little."""
+    """A hand pump whose seal drags, oil, a ram, and a workpiece that yields a little."""
 
     force = pm.Input("N")
 
     hand = ForceSource()
+    seal = Damper(damping=5.0)
     pump = Piston(area=1e-4)
     oil = OilChamber(volume=1e-4)
     ram_piston = Plunger(area=1e-2)
@@ -25,10 +26,10 @@ class Press(pm.Component):
 
     connections = (
         pm.connect(force, hand.force),
-        pm.connect(hand.flange, pump.a),
+        pm.connect(hand.flange, pump.a, seal.a),
         pm.connect(pump.b, oil.port, ram_piston.a),
         pm.connect(ram_piston.b, ram.flange, workpiece.a),
-        pm.connect(workpiece.b, frame.flange),
+        pm.connect(workpiece.b, seal.b, frame.flange),
     )
 
 

@@ -18,13 +18,15 @@ from functools import cached_property
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import BondGraph
 from propermodel.bondgraph.separate import separate_parts
-from propermodel.causality.completion import complete_causality
+from propermodel.causality.complete import complete_causality
+from propermodel.causality.transformer_loops import locked_loops
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
 from propermodel.diagnostics import Diagnostic, ModelWarning
 from propermodel.equations.events import SystemEvent
 from propermodel.equations.formulate import formulate
+from propermodel.equations.impulsive import impulsive_sources
 from propermodel.equations.state_selection import select_states
 from propermodel.equations.system import EquationSystem
 from propermodel.modelling.model import Model
@@ -52,7 +54,7 @@ class CompiledModel:
     @cached_property
     def warnings(self) -> tuple[Diagnostic, ...]:
         """What its author may not have meant, although it can be simulated."""
-        return separate_parts(self.graph)
+        return (*separate_parts(self.graph), *locked_loops(self.graph), *impulsive_sources(self.system))
 
     def machine(self, method: Method, lanes: int = 1) -> Machine:
         """The native code for one integration method."""

@@ -23,6 +23,7 @@ from propermodel import (
     linearise,
     parameter,
 )
+from propermodel.compiler import compile_quietly
 from tests.faults.case import Case
 from tests.faults.simulation_cases import STEP, quarter, run
 from tests.parts import Force, Mass, Spring, Tank, Velocity
@@ -95,7 +96,7 @@ class Flat(Component):
 
 
 def at_start(component: Component, **chosen: object) -> LinearModel:
-    return linearise(compile_model(elaborate(component)), Scenario(), **chosen)  # pyright: ignore[reportArgumentType]
+    return linearise(compile_quietly(elaborate(component)), Scenario(), **chosen)  # pyright: ignore[reportArgumentType]
 
 
 def without_control() -> object:

@@ -152,6 +152,16 @@ def wrong_domain() -> object:
     return elaborate(Mixed())
 
 
+def domains_bonded() -> object:
+    class Mixed(Component):
+        node = pm.OneJunction()
+        mass = Mass(mass=1.0)
+        wheel = Flywheel(inertia=1.0)
+        connections = (pm.bond(wheel.shaft, node), pm.bond(node, mass.flange))
+
+    return compile_model(elaborate(Mixed()))
+
+
 def two_domains() -> object:
     class Other(Domain):
         name = "translation"
@@ -458,6 +468,13 @@ CASES = (
         run=wrong_domain,
         names=("rotation", "translation", "mass.flange", "wheel.shaft"),
         at="connect(mass.flange, wheel.shaft)",
+        cure="transducer",
+    ),
+    Case(
+        code="model/domain",
+        run=domains_bonded,
+        names=("bonds join", "rotation", "translation", "node (1-junction)", "mass.flange", "wheel.shaft"),
+        at="node = pm.OneJunction()",
         cure="transducer",
     ),
     Case(

@@ -25,7 +25,20 @@ from propermodel import (
     parameter,
 )
 from tests.faults.case import Case, warned
-from tests.parts import Fixed, Force, Ground, Mass, Resistor, Spring, Velocity, Voltage
+from tests.parts import (
+    Capacitor,
+    Fixed,
+    Flywheel,
+    Force,
+    Gear,
+    Ground,
+    Mass,
+    Resistor,
+    Spring,
+    Torque,
+    Velocity,
+    Voltage,
+)
 
 
 def compiled(component: Component) -> object:
@@ -96,6 +109,37 @@ class TwoRooms(Component):
     right = Oscillator()
 
     connections = (connect(left_mass.flange, left_spring.a), connect(left_spring.b, left_wall.flange))
+
+
+class Gearbox(Component):
+    """Two pairs of gears between the same two shafts."""
+
+    back: Parameter = parameter("1", default=0.5)
+
+    drive = Torque(torque=1.0)
+    input, output = Flywheel(inertia=1.0), Flywheel(inertia=2.0)
+    first = Gear(ratio=2.0)
+    second = Gear(ratio=back)
+
+    connections = (
+        connect(drive.shaft, input.shaft, first.a, second.b),
+        connect(first.b, second.a, output.shaft),
+    )
+
+
+class Carried(Component):
+    shaker = Velocity(velocity=1.0)
+    load = Mass(mass=1.0)
+
+    connections = (connect(shaker.flange, load.flange),)
+
+
+class Charged(Component):
+    battery = Voltage(voltage=12.0)
+    capacitor = Capacitor(capacitance=1e-3)
+    ground = Ground()
+
+    connections = (connect(battery.a, capacitor.a), connect(battery.b, capacitor.b, ground.pin))
 
 
 class HardMass(Inertia):
@@ -299,7 +343,7 @@ CASES = (
     Case(
         code="causality/conflict",
         run=lambda: compiled(OnlyForces()),
-        names=("nothing sets the velocity", "push", "brake"),
+        names=("nothing sets the velocity", "push", "port.effort only, which is flat from 10 to 100 m/s"),
         at="brake = OneWay()",
         cure="an inertia",
     ),
@@ -313,9 +357,23 @@ CASES = (
     Case(
         code="causality/no-inverse",
         run=lambda: compiled(NoInverse()),
-        names=("mass", "inverted", "road"),
+        names=("mass", "inverted: it is flat from 100 to 1000 N.s", "road"),
         at="mass = HardMass()",
         cure="momentum(flow)",
+    ),
+    Case(
+        code="causality/transformer-loop",
+        run=lambda: compiled(Gearbox()),
+        names=("first and second", "share the torque", "second  has the modulus 0.5"),
+        at="first = Gear(",
+        cure="leave one of them out",
+    ),
+    Case(
+        code="causality/transformer-lock",
+        run=lambda: warned(Gearbox(back=3.0)),
+        names=("first and second", "ratio 6, not 1", "the angular velocity can only be 0", "second  has the modulus 3"),
+        at="second = Gear(",
+        cure="multiply to 1",
     ),
     Case(
         code="causality/undetermined",
@@ -323,6 +381,20 @@ CASES = (
         names=("gyrator.a", "1-junction", "push.flange"),
         at="connections = (connect(push.flange, gyrator.a",
         cure="a storage, a source or a resistance",
+    ),
+    Case(
+        code="equations/impulsive",
+        run=lambda: warned(Carried()),
+        names=("nothing but shaker", "the velocity of load", "its force is an impulse"),
+        at="load = Mass(",
+        cure="a compliance between them",
+    ),
+    Case(
+        code="equations/impulsive",
+        run=lambda: warned(Charged()),
+        names=("nothing but battery", "the voltage of capacitor", "its current is an impulse"),
+        at="battery = Voltage(",
+        cure="a resistance between them",
     ),
     Case(
         code="equations/index",

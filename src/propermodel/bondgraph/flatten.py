@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import replace
 
 from propermodel.bondgraph.circles import parameter_circles
+from propermodel.bondgraph.domains import mixed_domains
 from propermodel.bondgraph.graph import (
     Bond,
     BondGraph,
@@ -427,8 +428,9 @@ class _Flattening:
             out = out or port in self.scenario_ports
             tail, head = (end, node) if out else (node, end)
             bonds[port] = Bond(port, tail, head, self.port_domain[port])
-        self.complete_domains(bonds)
         structure = Structure(self.elements, junctions, bonds)
+        self.faults.found.extend(mixed_domains(structure, self.port_domain))
+        self.complete_domains(bonds)
         self.find_node_ports(structure)
         return structure
 

@@ -187,6 +187,13 @@ class BondGraph:
         """Every held value with its start: those of controllers, then those that events change."""
         return (*(start for controller in self.controllers for start in controller.starts), *self.discretes)
 
+    def word(self, bond: Bond, variable: Variable) -> str:
+        """What an effort or flow is called in the domain of a bond."""
+        domain = self.domains.get(bond.domain)
+        if domain is None:
+            return variable.value
+        return domain.effort if variable is Variable.EFFORT else domain.flow
+
     def __str__(self) -> str:
         lines = [f"bond graph of {self.model.name}: {len(self.normal.elements)} elements, "]
         lines[0] += f"{len(self.normal.junctions)} junctions, {len(self.normal.bonds)} bonds"

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Sequence
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Stroke, Why
 from propermodel.causality.closures import closures
+from propermodel.causality.conflicts import Conflict, contradiction, explain, no_inverse, undetermined
 from propermodel.causality.fields import field_causalities
 from propermodel.causality.implicit import Given, implicit_causalities
-from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path, StructureError, in_words
+from propermodel.diagnostics import Path, StructureError
 from propermodel.modelling.model import (
     ElementKind,
     JunctionKind,
@@ -91,15 +92,6 @@ def _turn(element: Element) -> int:
             return 1
 
 
-class Conflict(Exception):
-    """A stroke contradicts another; carries the junction or element where, and the strokes involved."""
-
-    def __init__(self, place: Path, bonds: list[Bond]) -> None:
-        super().__init__(str(place))
-        self.place = place
-        self.bonds = bonds
-
-
 Pattern = dict[Path, bool]  # bond: whether the element receives its effort
 
 
@@ -159,7 +151,7 @@ class Assignment:
         try:
             self.assign(element, pattern, why)
         except Conflict as conflict:
-            raise self.explain(element, conflict) from None
+            raise StructureError([explain(self, contradiction(self, element, conflict))]) from None
 
     def assign_storage(self, storages: list[Element]) -> tuple[list[Path], list[Path]]:
         """Integral causality where possible, in the order of the model; gives both lists."""
@@ -175,7 +167,7 @@ class Assignment:
             self.fix(element, self.storage_pattern(element, integral=False), Why.DERIVATIVE)
             assert isinstance(element.behaviour, Storage)
             if element.behaviour.inverse is None:
-                raise self.no_inverse(element)
+                raise StructureError([no_inverse(self, element)])
         return integral, derivative
 
     def assign_field(self, element: Element) -> bool:
@@ -219,10 +211,10 @@ class Assignment:
                     self.undo(mark)
                     last = conflict
             else:
-                raise self.undetermined(bond, last)
+                raise StructureError([undetermined(self, bond, last)])
         for path, junction in self.structure.junctions.items():
             if self.strong_bond(path, junction.kind) is None:
-                raise self.undetermined(self.at[path][0], Conflict(path, self.at[path]))
+                raise StructureError([undetermined(self, self.at[path][0], Conflict(path, self.at[path]))])
 
     def strong_bond(self, path: Path, kind: JunctionKind) -> Bond | None:
         """The bond that gives a junction its common variable, or may still do so."""
@@ -339,113 +331,3 @@ class Assignment:
             for b in bonds
             if b.name not in self.strokes
         ]
-
-    # -- faults ------------------------------------------------------------------------------------
-
-    def explain(self, element: Element, conflict: Conflict) -> StructureError:
-        """The error for a contradiction met while fixing an element."""
-        causes = {conflict.place, element.path}
-        causes.update(self.strokes[b.name].cause for b in conflict.bonds if b.name in self.strokes)
-        elements = [e for e in self.structure.elements.values() if e.path in causes]
-        place = conflict.place
-        if place in self.structure.elements and len(self.at[place]) == 1:
-            # A one-port that meets a stroke already there: what they contradict each other about is the junction.
-            other = self.at[place][0].other(place).owner
-            place = other if other in self.structure.junctions else place
-        junction = self.structure.junctions.get(place)
-        kinds = {e.kind for e in elements}
-        given = {self.gives(e) for e in elements}
-        if junction is not None and kinds == {_SETS[junction.kind]} and len(elements) > 1:
-            variable = self.word(self.at[place][0], junction.kind.common)
-            what = "flow" if junction.kind is JunctionKind.ONE else "effort"
-            message = f"{in_words(len(elements))} {what} sources set the {variable} of one junction"
-            cure = (
-                "put a compliance between them, or make one of them an effort source"
-                if junction.kind is JunctionKind.ONE
-                else "put a resistance or inertia between them, or make one of them a flow source"
-            )
-        elif junction is not None and (
-            given == {junction.kind.common.other} or self.strong_bond(place, junction.kind) is None
-        ):
-            variable = self.word(self.at[place][0], junction.kind.common)
-            message = f"nothing sets the {variable} of one junction: every bond prescribes its other variable"
-            what = "an inertia" if junction.kind is JunctionKind.ONE else "a compliance"
-            cure = f"connect {what}, or a resistance, whose law gives the {variable}"
-        else:
-            forced = self.structure.elements.get(place, element)
-            others = ", ".join(str(e.path) for e in elements if e is not forced) or "the rest of the model"
-            message = f"{forced.path} cannot have the causality it needs: {others} forces the other one"
-            cure = "give the element a law for the other causality, or put storage between it and the cause"
-        where = f"{place} ({junction.kind}-junction)" if junction else str(place)
-        source = junction.source if junction and junction.source.line else element.source
-        involved = tuple(Involved(str(e.path), self.role(e), e.source) for e in elements)
-        return StructureError([Diagnostic("causality/conflict", message, where, source, involved, cure)])
-
-    def gives(self, element: Element) -> Variable | None:
-        """The variable that a one-port can only give, not take."""
-        behaviour = element.behaviour
-        if isinstance(behaviour, PowerSource):
-            return Variable.EFFORT if behaviour.kind is ElementKind.EFFORT_SOURCE else Variable.FLOW
-        if isinstance(behaviour, Resistive) and len(patterns := self.law_patterns(element)) == 1 == len(element.ports):
-            return Variable.FLOW if next(iter(patterns[0].values())) else Variable.EFFORT
-        return None
-
-    def word(self, bond: Bond, variable: Variable) -> str:
-        """What an effort or flow is called in the domain of a bond."""
-        domain = self.graph.domains.get(bond.domain)
-        if domain is None:
-            return variable.value
-        return domain.effort if variable is Variable.EFFORT else domain.flow
-
-    def role(self, element: Element) -> str:
-        """What an element does in a conflict."""
-        if element.kind is ElementKind.FLOW_SOURCE:
-            return f"prescribes its {self.word(self.at[element.path][0], Variable.FLOW)}"
-        if element.kind is ElementKind.EFFORT_SOURCE:
-            return f"prescribes its {self.word(self.at[element.path][0], Variable.EFFORT)}"
-        if isinstance(element.behaviour, Resistive) and element.behaviour.laws and len(self.law_patterns(element)) == 1:
-            given = (f"{result.port}.{result.variable}" for result in element.behaviour.laws[0].results)
-            return f"offers a law for {' and '.join(given)} only"
-        return f"is a {element.kind} element that forces a stroke"
-
-    def no_inverse(self, element: Element) -> StructureError:
-        """The error for dependent storage whose law cannot be inverted."""
-        cause = next(self.strokes[b.name].cause for b in self.at[element.path])
-        decides = self.structure.elements.get(cause)
-        law = "displacement(effort)" if element.kind is ElementKind.COMPLIANCE else "momentum(flow)"
-        variable = Variable.EFFORT if element.kind is ElementKind.COMPLIANCE else Variable.FLOW
-        word = self.word(self.at[element.path][0], variable)
-        return StructureError(
-            [
-                Diagnostic(
-                    "causality/no-inverse",
-                    f"the {word} of the storage {element.path} is decided elsewhere, and its law cannot be inverted",
-                    source=element.source,
-                    involved=(Involved(str(cause), f"decides its {word}", decides.source if decides else NO_SOURCE),),
-                    help=f"offer the inverse law {law}, or put a part between that lets it have its own {word}",
-                )
-            ]
-        )
-
-    def undetermined(self, bond: Bond, conflict: Conflict) -> StructureError:
-        """The error for a junction that nothing determines."""
-        junction = self.structure.junctions.get(conflict.place)
-        kind = f" ({junction.kind}-junction)" if junction else ""
-        around = [b.other(conflict.place) for b in conflict.bonds if conflict.place in (b.tail.owner, b.head.owner)]
-        involved = tuple(Involved(str(end.path), "meets it") for end in around)
-        return StructureError(
-            [
-                Diagnostic(
-                    "causality/undetermined",
-                    f"nothing determines the common variable at {conflict.place}{kind}",
-                    where=str(bond.name),
-                    source=junction.source if junction else self.structure.elements[conflict.place].source,
-                    involved=involved,
-                    help="connect a storage, a source or a resistance whose law gives it",
-                )
-            ]
-        )
-
-
-# The sources that set the common variable of a junction.
-_SETS = {JunctionKind.ZERO: ElementKind.EFFORT_SOURCE, JunctionKind.ONE: ElementKind.FLOW_SOURCE}

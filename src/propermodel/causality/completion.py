@@ -9,34 +9,20 @@ on. Where no strokes satisfy that, the equations of the graph are structurally s
 from __future__ import annotations
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
-from propermodel.causality.assign import Assignment, Conflict, Pattern, assign_causality
+from propermodel.causality.assign import Assignment, Pattern
 from propermodel.causality.causal import CausalGraph, Stroke, Why
+from propermodel.causality.conflicts import Conflict
 from propermodel.causality.invertible import Inversion
-from propermodel.diagnostics import Path, StructureError
+from propermodel.diagnostics import Path
 from propermodel.modelling.model import PowerSource, Resistive, Storage
 
 # Contradictions met in one search before it is given up.
 MOST_CONTRADICTIONS = 2000
 
 
-def complete_causality(graph: BondGraph) -> CausalGraph:
-    """The strokes of sequential assignment, or where it meets a contradiction, strokes beyond the laws offered.
-
-    Raises:
-        StructureError: there are no strokes at all; what sequential assignment met is reported.
-    """
-    try:
-        return assign_causality(graph)
-    except StructureError:
-        found = assign_beyond_laws(graph)
-        if found is None:
-            raise
-        return found
-
-
 def assign_beyond_laws(graph: BondGraph) -> CausalGraph | None:
     """Strokes with as much integral causality as there can be, then laws as offered; None where there are none."""
-    work = _Completion(graph)
+    work = Completion(graph)
     elements = graph.normal.elements.values()
     for element in elements:
         if isinstance(element.behaviour, PowerSource) and not work.attempt(
@@ -63,7 +49,7 @@ def assign_beyond_laws(graph: BondGraph) -> CausalGraph | None:
     return CausalGraph(graph, work.strokes, tuple(integral), tuple(derivative))
 
 
-class _Completion(Assignment):
+class Completion(Assignment):
     """Strokes that may leave the laws of resistances and storage, with a complete assignment as a witness."""
 
     def __init__(self, graph: BondGraph) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.causality.causal import CausalGraph
-from propermodel.causality.completion import complete_causality
+from propermodel.causality.complete import complete_causality
 from propermodel.diagnostics import Path
 from propermodel.equations.definitions import define
 from propermodel.expressions.core import Expr, SymbolKind, leaves
