@@ -41,6 +41,11 @@ def test_trial_compilations_are_quiet_and_keep_their_warnings():
     assert [diagnostic.code for diagnostic in compiled.warnings] == ["structure/disconnected"]
 
 
+def test_what_removals_bring_about_is_no_reason_to_warn():
+    model = pm.elaborate(TwoRooms()).without([pm.ZeroEffort(pm.Path(("left_spring", "port")))])
+    assert pm.compile_model(model).warnings == ()
+
+
 def test_a_reduction_tries_candidates_quietly():
     with pytest.warns(pm.ModelWarning):
         compiled = pm.compile_model(pm.elaborate(TwoRooms()))

@@ -53,7 +53,9 @@ class CompiledModel:
 
     @cached_property
     def warnings(self) -> tuple[Diagnostic, ...]:
-        """What its author may not have meant, although it can be simulated."""
+        """What its author may not have meant, although it can be simulated; what removals bring about is meant."""
+        if self.model.removals:
+            return ()
         return (*separate_parts(self.graph), *locked_loops(self.graph), *impulsive_sources(self.system))
 
     def machine(self, method: Method, lanes: int = 1) -> Machine:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import lru_cache
@@ -204,10 +205,18 @@ class Faults:
         """Remember one fault."""
         self.found.append(diagnostic)
 
+    @contextmanager
+    def collecting(self) -> Generator[None, None, None]:
+        """Remember what is raised inside, and go on after it."""
+        try:
+            yield
+        except self.error as error:
+            self.found.extend(error.diagnostics)
+
     def raise_if_any(self) -> None:
-        """Raise all faults found so far."""
+        """Raise all faults found so far, each once."""
         if self.found:
-            raise self.error(self.found)
+            raise self.error(list(dict.fromkeys(self.found)))
 
 
 def in_words(number: int) -> str:

@@ -112,6 +112,7 @@ def test_a_nonlinear_loop_is_differentiated_through():
     assert abs(model.B[0, 0]) == pytest.approx(damping, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:warning.equations/impulsive:propermodel.ModelWarning")
 def test_a_mass_carried_by_its_support_answers_with_the_rate_of_the_velocity():
     mass, shaker = Mass(mass=2.0), Velocity(velocity=0.0)
     made = compile_model(elaborate(system(connect(mass.flange, shaker.flange), mass=mass, shaker=shaker)))

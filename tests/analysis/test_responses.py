@@ -111,6 +111,7 @@ def test_an_input_that_an_output_does_not_show_has_the_transfer_function_zero():
     assert function(1j) == 0.0
 
 
+@pytest.mark.filterwarnings("ignore:warning.equations/impulsive:propermodel.ModelWarning")
 def test_a_mass_carried_along_answers_with_the_derivative_of_the_velocity():
     mass, shaker = Mass(mass=2.0), Velocity(velocity=0.0)
     carried = system(connect(mass.flange, shaker.flange), mass=mass, shaker=shaker)

@@ -87,12 +87,6 @@ def test_many_parts_are_counted():
     assert found[-1] == ("...", "and 3 more")
 
 
-def test_what_removals_take_apart_is_no_reason_to_warn():
-    pair = pm.elaborate(Two())
-    assert separate_parts(flatten(pair))
-    assert separate_parts(flatten(pair.without([pm.ZeroEffort(pm.Path(("left", "spring", "port")))]))) == ()
-
-
 def test_both_parts_are_simulated():
     compiled = compile_quietly(pm.elaborate(Two()))
     starts = {pm.Path(("left", "mass", "momentum")): 2.0, pm.Path(("right", "mass", "momentum")): 6.0}

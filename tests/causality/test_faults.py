@@ -71,8 +71,10 @@ def test_a_model_with_five_faults_is_told_all_five():
         ),
         (
             "causality/no-inverse",
-            "the velocity of the storage load is decided elsewhere, and its law cannot be inverted: "
-            "it is flat from 100 to 1000 N.s",
+            (
+                "the velocity of the storage load is decided elsewhere, and its law cannot be inverted: "
+                "it is flat from 100 to 1000 N.s"
+            ),
             ["belt"],
         ),
     ]

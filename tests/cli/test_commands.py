@@ -274,7 +274,7 @@ def test_wrong_settings_are_all_reported():
 
 
 def test_a_value_out_of_range():
-    assert "lies outside 100 to inf" in fail(2, "run", MODEL, "--set", "body_mass=5 kg")
+    assert "lies outside its range 100 to inf" in fail(2, "run", MODEL, "--set", "body_mass=5 kg")
 
 
 def test_unknown_output_is_found_before_the_run(tmp_path: Path):

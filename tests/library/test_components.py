@@ -210,6 +210,7 @@ class Thrown(Component):
     )
 
 
+@pytest.mark.filterwarnings("ignore:warning.equations/impulsive:propermodel.ModelWarning")
 def test_a_free_body_flies_straight_while_its_frame_turns():
     # Without forces the velocity keeps its direction in space, so in a frame that pitches up it turns down.
     result = run(Thrown(), stop=1.0, step=1e-5, pitch_rate=0.7)

@@ -220,6 +220,7 @@ def test_a_coil_that_a_current_drives_induces_in_the_other(backend: Backend):
     assert energy_balance(r).relative_residual < 1e-6
 
 
+@pytest.mark.filterwarnings("ignore:warning.equations/impulsive:propermodel.ModelWarning")
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_coils_that_currents_drive_on_both_sides_have_the_voltages_of_their_inductances(backend: Backend):
     r = run(
@@ -252,6 +253,7 @@ def in_currents(mutual: float = M) -> Component:
     )
 
 
+@pytest.mark.filterwarnings("ignore:warning.equations/impulsive:propermodel.ModelWarning")
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_coordinates_that_are_not_stored_move_with_those_that_are_decided(backend: Backend):
     one = run(in_currents(), 0.02, backend=backend, step=2e-5)

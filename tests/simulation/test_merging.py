@@ -204,6 +204,7 @@ def test_springs_in_series_keep_their_length_together():
     assert 100.0 * one_now == pytest.approx(200.0 * two_now)
 
 
+@pytest.mark.filterwarnings("ignore:warning.equations/impulsive:propermodel.ModelWarning")
 def test_a_mass_that_a_source_moves_has_no_say():
     moving, mass = Moving(velocity=2.0), Mass(mass=3.0)
     r = run(system(connect(moving.flange, mass.flange), moving=moving, mass=mass), 0.1)

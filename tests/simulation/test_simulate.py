@@ -151,14 +151,17 @@ def test_an_unknown_parameter_is_named_with_the_nearest(rig):
     )
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(11.0, "11"), (0.05, "0.05"), (float("nan"), "nan"), (float("inf"), "inf")]
-)
+@pytest.mark.parametrize(("value", "text"), [(11.0, "11"), (0.05, "0.05")])
 def test_a_parameter_outside_its_range_is_refused(rig, value, text):
-    assert refused(rig, parameters={"mass_value": value}) == (
-        f"error[simulation/parameter-range]: 'mass_value' = {text} kg lies outside 0.1 to 10\n"
-        "  help: give a finite value in SI inside the range, which stands where the parameter is declared"
-    )
+    told = refused(rig, parameters={"mass_value": value}).splitlines()
+    assert told[0] == (f"error[simulation/parameter-range]: 'mass_value' = {text} kg lies outside its range 0.1 to 10")
+    assert told[-1] == "  help: give a value in SI inside the range, which stands where the parameter is declared"
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_parameter_without_a_finite_value_is_refused(rig, value):
+    told = refused(rig, parameters={"mass_value": value}).splitlines()
+    assert told[0] == f"error[simulation/parameter-range]: 'mass_value' = {value} kg is no finite number"
 
 
 def test_all_faults_of_a_scenario_are_told_at_once(rig):

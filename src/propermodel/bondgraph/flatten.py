@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from propermodel.bondgraph.circles import parameter_circles
@@ -23,11 +25,13 @@ from propermodel.bondgraph.graph import (
 )
 from propermodel.bondgraph.net import Net
 from propermodel.bondgraph.nodes import Nodes
+from propermodel.bondgraph.parameters import faults_of_range, parameter_values
 from propermodel.bondgraph.removals import make_removals
 from propermodel.bondgraph.scope import Scope
 from propermodel.bondgraph.simplify import normalise
 from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, one_of
 from propermodel.expressions.core import TIME, Expr, SymbolKind, constant, lookup, symbol
+from propermodel.expressions.units import parse_unit
 from propermodel.modelling.domains import Shared
 from propermodel.modelling.model import (
     Block,
@@ -66,7 +70,8 @@ def flatten(model: Model) -> BondGraph:
     walk.check_frozen_signals()
     original = walk.structure()
     walk.define_inputs()
-    walk.faults.found.extend(parameter_circles(walk.parameters.values()))
+    circles = parameter_circles(walk.parameters.values())
+    walk.faults.found.extend(circles or _out_of_range(walk.parameters))
     walk.faults.raise_if_any()
     net = Net(original)
     normalise(net, [])
@@ -89,6 +94,16 @@ def flatten(model: Model) -> BondGraph:
         discretes=tuple(walk.discretes),
         events=tuple(event for event in walk.events if _still_happens(event, original, normal)),
     )
+
+
+def _out_of_range(parameters: Mapping[Path, FlatParameter]) -> Iterator[Diagnostic]:
+    """Values that leave the range of a parameter: defaults, and what one component hands to another."""
+    help = "give a value inside the range, or widen the range where the parameter is declared"
+    return faults_of_range("model/parameter-range", parameters.values(), parameter_values(parameters), help)
+
+
+def _in_si(limit: float, unit: str) -> float:
+    return limit * parse_unit(unit).factor if math.isfinite(limit) else limit
 
 
 def _still_happens(event: FlatEvent, original: Structure, normal: Structure) -> bool:
@@ -169,8 +184,8 @@ class _Flattening:
                 unit=data.unit,
                 symbol=flat,
                 value=value,
-                low=data.low,
-                high=data.high,
+                low=_in_si(data.low, data.unit),
+                high=_in_si(data.high, data.unit),
                 origin=data.source,
                 status=data.status,
                 source=part.source,

@@ -16,11 +16,8 @@ _MOST_NAMED = 4  # components named of each part
 
 
 def separate_parts(graph: BondGraph) -> tuple[Diagnostic, ...]:
-    """A warning where a model is in several parts as it is wired; all of them are simulated.
-
-    What removals take apart is meant to be apart.
-    """
-    parts = [] if graph.removals else _parts(graph)
+    """A warning where a model is in several parts as it is wired; all of them are simulated."""
+    parts = _parts(graph)
     if len(parts) < 2:
         return ()
     names = _Names(graph)

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 
 from propermodel.bondgraph.graph import BondGraph, Element
+from propermodel.bondgraph.parameters import parameter_values
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import TIME, Expr, Op, SymbolKind, leaves, postorder
 from propermodel.expressions.interpret import interpret
@@ -27,7 +28,7 @@ class Inversion:
     """Which laws of a graph can be inverted, at the parameter values of the model."""
 
     def __init__(self, graph: BondGraph) -> None:
-        self.parameters = parameter_values(graph)
+        self.parameters = parameter_values(graph.parameters)
         self.known: dict[Path, str] = {}
 
     def is_possible(self, element: Element) -> bool:
@@ -108,16 +109,3 @@ def _turn(law: Callable[[float], float], unit: str) -> str:
 def _port_variable(element: Element, port: str, variable: Variable) -> Argument:
     kind = SymbolKind.EFFORT if variable is Variable.EFFORT else SymbolKind.FLOW
     return kind, element.path / port / variable.value
-
-
-def parameter_values(graph: BondGraph) -> dict[Expr, float]:
-    """The values of parameters, as far as they follow from each other."""
-    found: dict[Expr, float] = {}
-    pending = list(graph.parameters.values())
-    while pending:
-        ready = [p for p in pending if all(leaf in found for leaf in leaves(p.value))]
-        if not ready:
-            break
-        found.update((p.symbol, interpret(p.value, found)) for p in ready)
-        pending = [p for p in pending if p.symbol not in found]
-    return found

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from propermodel.bondgraph.graph import BondGraph, Structure
-from propermodel.causality.invertible import parameter_values
+from propermodel.bondgraph.parameters import parameter_values
 from propermodel.diagnostics import Diagnostic, Involved, Path, Severity
 from propermodel.expressions.core import MINUS_ONE, ONE, Expr, SymbolKind, divide, is_zero, leaves
 from propermodel.expressions.interpret import interpret
@@ -190,7 +190,7 @@ def locked_loops(graph: BondGraph) -> tuple[Diagnostic, ...]:
 def _loops(graph: BondGraph) -> tuple[tuple[TransformerLoop, ...], Values]:
     """The loops, and what their moduli are made of."""
     loops = transformer_loops(graph.normal)
-    return loops, parameter_values(graph) if loops else {}
+    return loops, parameter_values(graph.parameters) if loops else {}
 
 
 def _diagnostic(

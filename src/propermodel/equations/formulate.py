@@ -8,7 +8,7 @@ from propermodel.bondgraph.graph import Element
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.fields import Mixed
 from propermodel.causality.graph_algorithms import strong_components
-from propermodel.diagnostics import Diagnostic, Involved, Path, Source, StructureError
+from propermodel.diagnostics import Diagnostic, Faults, Involved, Path, Source, StructureError
 from propermodel.equations.closures import closures_of, positions_of
 from propermodel.equations.condense import condense
 from propermodel.equations.definitions import Definitions, Variables, define
@@ -80,14 +80,20 @@ def formulate(causal: CausalGraph) -> EquationSystem:
     definitions = define(causal)
     resolution = Resolution(definitions.values, definitions.laws)
     states, rates, inflows = _states(causal, resolution)
-    unknowns = _unknowns(definitions, resolution, rates, inflows)
-    solved, blocks, solution = _solve_blocks(unknowns)
+    faults = Faults(StructureError)
+    unknowns = _unknowns(definitions, resolution, rates, inflows, faults)
+    solved, blocks, solution = _solve_blocks(unknowns, faults)
+    faults.raise_if_any()
     finish = Substitution(solution)
     values = {target: finish(value) for target, value in resolution.values.items()}
-    events = system_events(
-        causal.graph.events, [s.symbol for s in states], lambda expr: finish(resolution.complete(expr))
-    )
-    _check_defined(causal, states, values, events)
+    events: tuple[SystemEvent, ...] = ()
+    with faults.collecting():
+        events = system_events(
+            causal.graph.events, [s.symbol for s in states], lambda expr: finish(resolution.complete(expr))
+        )
+    with faults.collecting():
+        _check_defined(causal, states, values, events)
+    faults.raise_if_any()
     updates = tuple(
         (c.path, tuple((held, finish(resolution.complete(value))) for held, value in c.updates))
         for c in in_sequence(causal.graph)
@@ -248,7 +254,7 @@ def _dependents(
 
 
 def _unknowns(
-    definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr], inflows: list[Inflow]
+    definitions: Definitions, resolution: Resolution, rates: dict[Expr, Expr], inflows: list[Inflow], faults: Faults
 ) -> list[Unknown]:
     """Every unknown with its residual: torn loops, laws to be solved, dependent storage, locks, closed loops."""
     found = [
@@ -267,25 +273,30 @@ def _unknowns(
     answers = {item.unknown for item in answering}
     drifting = _RateUnknowns({unknown.symbol: unknown for unknown in found}, rates, answers)
     for dependent in definitions.dependents:
-        rate = drifting.rate_of(resolution.complete(dependent.stored), dependent.element)
-        found.append(Unknown(dependent.unknown, dependent.unknown - rate, dependent.element.path, BlockKind.DEPENDENT))
+        with faults.collecting():
+            rate = drifting.rate_of(resolution.complete(dependent.stored), dependent.element)
+            residual = dependent.unknown - rate
+            found.append(Unknown(dependent.unknown, residual, dependent.element.path, BlockKind.DEPENDENT))
     for inflow in inflows:
-        rate = drifting.rate_of(inflow.stored, inflow.element)
-        found.append(Unknown(inflow.unknown, inflow.inflow - rate, inflow.element.path, BlockKind.DEPENDENT))
+        with faults.collecting():
+            rate = drifting.rate_of(inflow.stored, inflow.element)
+            found.append(Unknown(inflow.unknown, inflow.inflow - rate, inflow.element.path, BlockKind.DEPENDENT))
     for lockable in definitions.lockables:
-        flow = resolution.complete(lockable.flow)
-        rate = drifting.rate_of(flow, lockable.element)
-        residual = where(
-            resolution.complete(lockable.locked),
-            rate + divide(flow, LOCK_RELAXATION),
-            lockable.unknown - resolution.complete(lockable.law),
-        )
-        found.append(Unknown(lockable.unknown, residual, lockable.element.path, BlockKind.LOCK))
+        with faults.collecting():
+            flow = resolution.complete(lockable.flow)
+            rate = drifting.rate_of(flow, lockable.element)
+            residual = where(
+                resolution.complete(lockable.locked),
+                rate + divide(flow, LOCK_RELAXATION),
+                lockable.unknown - resolution.complete(lockable.law),
+            )
+            found.append(Unknown(lockable.unknown, residual, lockable.element.path, BlockKind.LOCK))
     for held in definitions.held:
-        excess = resolution.complete(held.flow - held.prescribed)
-        if not answers.intersection(leaves(excess)):
-            excess = drifting.rate_of(excess, held.element)
-        found.append(Unknown(held.unknown, excess, held.element.path, BlockKind.CONSTRAINT))
+        with faults.collecting():
+            excess = resolution.complete(held.flow - held.prescribed)
+            if not answers.intersection(leaves(excess)):
+                excess = drifting.rate_of(excess, held.element)
+            found.append(Unknown(held.unknown, excess, held.element.path, BlockKind.CONSTRAINT))
     found.extend(drifting.unknowns)
     return found
 
@@ -348,7 +359,7 @@ def _higher_index(element: Element, leaf: Expr) -> StructureError:
 
 
 def _solve_blocks(
-    unknowns: list[Unknown],
+    unknowns: list[Unknown], faults: Faults
 ) -> tuple[list[SolvedBlock], list[ImplicitBlock], dict[Expr, Expr]]:
     """Sort the unknowns into blocks; eliminate linear ones, leave the others to Newton's method."""
     index = {u.symbol: i for i, u in enumerate(unknowns)}
@@ -358,41 +369,49 @@ def _solve_blocks(
     solution: dict[Expr, Expr] = {}
     for component in strong_components(len(unknowns), edges):
         members = [unknowns[i] for i in component]
-        symbols = [u.symbol for u in members]
-        substitute = Substitution(solution)
-        residuals = [substitute(u.residual) for u in members]
-        partials = partial_derivatives(residuals, symbols)
-        matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
-        paths = tuple(u.element for u in members)
-        inside = set(symbols)
-        is_open = any(u.kind is BlockKind.CONSTRAINT for u in members)
-        if not is_open and not any(inside & set(leaves(entry)) for row in matrix for entry in row):
-            at_zero = Substitution(dict.fromkeys(symbols, constant(0.0)))
-            right = [-at_zero(residual) for residual in residuals]
-            values = eliminate(matrix, right, list(paths))
-            solution.update(zip(symbols, values, strict=True))
+        with faults.collecting():
+            _solve_block(members, solved, blocks, solution)
+    return solved, blocks, solution
+
+
+def _solve_block(
+    members: list[Unknown], solved: list[SolvedBlock], blocks: list[ImplicitBlock], solution: dict[Expr, Expr]
+) -> None:
+    """Eliminate the unknowns of one block if it is linear, otherwise leave it to Newton's method."""
+    symbols = [u.symbol for u in members]
+    substitute = Substitution(solution)
+    residuals = [substitute(u.residual) for u in members]
+    partials = partial_derivatives(residuals, symbols)
+    matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
+    paths = tuple(u.element for u in members)
+    inside = set(symbols)
+    is_open = any(u.kind is BlockKind.CONSTRAINT for u in members)
+    if not is_open and not any(inside & set(leaves(entry)) for row in matrix for entry in row):
+        at_zero = Substitution(dict.fromkeys(symbols, constant(0.0)))
+        right = [-at_zero(residual) for residual in residuals]
+        values = eliminate(matrix, right, list(paths))
+        solution.update(zip(symbols, values, strict=True))
+        solved.append(
+            SolvedBlock(
+                unknowns=tuple(symbols),
+                paths=paths,
+                kinds=tuple(u.kind for u in members),
+                matrix=tuple(tuple(row) for row in matrix),
+            )
+        )
+    else:
+        block, eliminated = _reduce_block(members, residuals, matrix)
+        solution.update(eliminated)
+        blocks.append(block)
+        if eliminated:
+            inner = [u for u in members if u.symbol in eliminated]
             solved.append(
                 SolvedBlock(
-                    unknowns=tuple(symbols),
-                    paths=paths,
-                    kinds=tuple(u.kind for u in members),
-                    matrix=tuple(tuple(row) for row in matrix),
+                    unknowns=tuple(u.symbol for u in inner),
+                    paths=tuple(u.element for u in inner),
+                    kinds=tuple(u.kind for u in inner),
                 )
             )
-        else:
-            block, eliminated = _reduce_block(members, residuals, matrix)
-            solution.update(eliminated)
-            blocks.append(block)
-            if eliminated:
-                inner = [u for u in members if u.symbol in eliminated]
-                solved.append(
-                    SolvedBlock(
-                        unknowns=tuple(u.symbol for u in inner),
-                        paths=tuple(u.element for u in inner),
-                        kinds=tuple(u.kind for u in inner),
-                    )
-                )
-    return solved, blocks, solution
 
 
 def _reduce_block(

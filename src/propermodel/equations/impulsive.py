@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from propermodel.bondgraph.graph import BondGraph, Element
-from propermodel.causality.causal import CausalGraph
 from propermodel.causality.paths import Signals
-from propermodel.diagnostics import Diagnostic, Involved, Severity
+from propermodel.diagnostics import Diagnostic, Involved, Path, Severity
 from propermodel.equations.system import DependentStorage, EquationSystem
 from propermodel.expressions.core import SymbolKind, leaves
 from propermodel.modelling.model import ElementKind, PowerSource, Variable
@@ -21,32 +20,26 @@ def impulsive_sources(system: EquationSystem) -> tuple[Diagnostic, ...]:
 
     It follows them, and answers with the rate of what they give: no finite effort makes an inertia jump.
     """
-    decided = [dependent for dependent in system.dependents if _is_free_of_states(dependent)]
+    decided = dict.fromkeys(d.element for d in system.dependents if _is_free_of_states(d))
     if not decided:
         return ()
-    signals = Signals(system.causal)
-    found: list[Diagnostic] = []
-    for dependent in decided:
-        sources = _sources(system.causal, signals, dependent)
-        if sources:
-            found.append(_warning(system.causal.graph, signals, dependent, sources))
-    return tuple(found)
+    graph, signals = system.causal.graph, Signals(system.causal)
+    found = ((graph.normal.elements[path], _sources(graph, signals, path)) for path in decided)
+    return tuple(_warning(graph, signals, element, sources) for element, sources in found if sources)
 
 
 def _is_free_of_states(dependent: DependentStorage) -> bool:
     return all(leaf.data.kind not in (SymbolKind.STATE, SymbolKind.UNKNOWN) for leaf in leaves(dependent.stored))
 
 
-def _sources(causal: CausalGraph, signals: Signals, dependent: DependentStorage) -> list[Element]:
+def _sources(graph: BondGraph, signals: Signals, storage: Path) -> list[Element]:
     """The sources that reach a storage through the junction structure; a locked one has none."""
-    deciding = signals.deciding(dependent.element)
-    begins = dict.fromkeys(path.begin for taken in deciding for path in signals.influences(taken))
-    elements = [causal.graph.normal.elements[begin] for begin in begins]
+    begins = dict.fromkeys(path.begin for taken in signals.deciding(storage) for path in signals.influences(taken))
+    elements = [graph.normal.elements[begin] for begin in begins]
     return [element for element in elements if isinstance(element.behaviour, PowerSource)]
 
 
-def _warning(graph: BondGraph, signals: Signals, dependent: DependentStorage, sources: list[Element]) -> Diagnostic:
-    element = graph.normal.elements[dependent.element]
+def _warning(graph: BondGraph, signals: Signals, element: Element, sources: list[Element]) -> Diagnostic:
     decided = Variable.FLOW if element.kind is ElementKind.INERTIA else Variable.EFFORT
     bond = signals.at[element.path][0]
     word, answer = graph.word(bond, decided), graph.word(bond, decided.other)

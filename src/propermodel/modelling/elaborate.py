@@ -20,9 +20,11 @@ from propermodel.modelling.elements import Junction
 from propermodel.modelling.events import discretes_of, events_of
 from propermodel.modelling.kinematics import Expansion, KinematicTransformer, expand
 from propermodel.modelling.model import (
+    Behaviour,
     Connection,
     Definition,
     Direction,
+    Event,
     HalfArrow,
     Model,
     Node,
@@ -95,13 +97,26 @@ class _Elaboration:
         tracing._set(root=tracing, path=Path(), values={}, replaced={}, source=cls.defined_at)  # pyright: ignore[reportPrivateUsage]
         tracer = Tracer(cls, tracing)
         ports = tuple(self.port(cls, n, p) for n, p in cls.declarations.items() if isinstance(p, Port))
-        parameters = tuple(_parameter(tracer, n, p) for n, p in cls.declarations.items() if isinstance(p, Parameter))
-        inside = expand(tracer, parameters) if issubclass(cls, KinematicTransformer) else Expansion()
+        parameters: list[ParameterData] = []
+        for name, declared in cls.declarations.items():
+            if isinstance(declared, Parameter):
+                with self.faults.collecting():
+                    parameters.append(_parameter(tracer, name, declared))
+        inside = Expansion()
+        behaviour: Behaviour = None
+        events: tuple[Event, ...] = ()
+        discretes: tuple[tuple[str, str, Expr], ...] = ()
+        with self.faults.collecting():
+            inside = expand(tracer, tuple(parameters)) if issubclass(cls, KinematicTransformer) else inside
+        with self.faults.collecting():
+            behaviour = trace(cls, tracing)
+        with self.faults.collecting():
+            discretes, events = discretes_of(tracer), events_of(tracer)
         return Definition(
             type_name=cls.__name__,
             doc=(cls.__doc__ or "").strip().split("\n")[0],
             ports=ports,
-            parameters=parameters,
+            parameters=tuple(parameters),
             tables=tuple(_table(n, t) for n, t in cls.declarations.items() if isinstance(t, Table)),
             signals=tuple(
                 SignalData(
@@ -112,9 +127,9 @@ class _Elaboration:
                 for n, s in cls.declarations.items()
                 if isinstance(s, (Input, Output))
             ),
-            behaviour=trace(cls, tracing),
-            discretes=discretes_of(tracer),
-            events=events_of(tracer),
+            behaviour=behaviour,
+            discretes=discretes,
+            events=events,
             parts=(*inside.parts, *self.parts(cls, component, tracer)),
             connections=(*inside.connections, *self.connections(cls, tracer)),
             is_energy_group=cls.energy_group,
@@ -171,19 +186,21 @@ class _Elaboration:
                         f"give it one: {cls.__name__}({key}=...), in {declared.unit or '1'}",
                     )
                 continue
-            value = in_unit(given, declared.unit)
-            resolved = tracer.resolve(value) if tracer else value
-            if tracer is None and leaves(resolved):
-                self.fault(
-                    component,
-                    name,
-                    "model/root-parameter",
-                    f"'{key}' of the root must be a number",
-                    "nothing surrounds the root, so there is nothing that an expression could refer to: give a number",
-                )
-                continue
-            self.check_value(component, name, key, declared, resolved)
-            result.append((key, resolved))
+            with self.faults.collecting():
+                value = in_unit(given, declared.unit)
+                resolved = tracer.resolve(value) if tracer else value
+                if tracer is None and leaves(resolved):
+                    self.fault(
+                        component,
+                        name,
+                        "model/root-parameter",
+                        f"'{key}' of the root must be a number",
+                        "nothing surrounds the root, so there is nothing that an expression could refer to: "
+                        "give a number",
+                    )
+                    continue
+                self.check_value(component, name, key, declared, resolved)
+                result.append((key, resolved))
         return tuple(result)
 
     def check_value(self, component: Component, name: str, key: str, declared: Parameter, value: Expr) -> None:
@@ -238,7 +255,11 @@ class _Elaboration:
         flat: list[Wiring] = []
         for item in cls.connections:
             flat.extend(item if isinstance(item, tuple) else (item,))
-        return tuple(self.connection(cls, tracer, item) for item in flat)
+        found: list[Connection] = []
+        for item in flat:
+            with self.faults.collecting():
+                found.append(self.connection(cls, tracer, item))
+        return tuple(found)
 
     def connection(self, cls: type[Component], tracer: Tracer, item: Wiring) -> Connection:
         """One connection as data."""

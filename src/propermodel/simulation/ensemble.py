@@ -28,11 +28,12 @@ from propermodel.codegen.machine import (
     sample_periods,
 )
 from propermodel.compiler import CompiledModel
-from propermodel.diagnostics import Path, SimulationError, one_of
+from propermodel.diagnostics import Faults, Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
+from propermodel.simulation.finite import faults_of_settings
 from propermodel.simulation.side_by_side import LaneResults, run_together
-from propermodel.simulation.simulate import check_settings, selected_entries, simulate
+from propermodel.simulation.simulate import selected_entries, simulate
 from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.table_store import TableStore
 from propermodel.simulation.trajectory import Ending, Statistics, observable_path
@@ -232,8 +233,10 @@ def simulate_many(
         raise SimulationError.of(
             "simulation/designs", "there are no designs to simulate", help="give at least one scenario"
         )
+    faults = Faults(SimulationError)
     for scenario in every:
-        check_settings(scenario, step, record_every, NO_ROWS)
+        faults.found.extend(faults_of_settings(scenario, step, record_every, NO_ROWS))
+    faults.raise_if_any()
     windows = {(scenario.start, scenario.stop) for scenario in every}
     if len(windows) > 1 and record_every < NO_ROWS:
         raise SimulationError.of(

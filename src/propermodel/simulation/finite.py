@@ -1,4 +1,4 @@
-"""Numbers that a run cannot start with: infinite ones, and what is no number at all."""
+"""Numbers that a run cannot start with: infinite ones, what is no number at all, and steps that lead nowhere."""
 
 from __future__ import annotations
 
@@ -8,6 +8,31 @@ from collections.abc import Iterable, Iterator
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Path, Source
 from propermodel.modelling.model import Scenario, TableValues
 from propermodel.simulation.table_store import TableStore
+
+
+def faults_of_settings(
+    scenario: Scenario, step: float, record_every: float, integrals_every: float
+) -> Iterator[Diagnostic]:
+    """A window, step or period that no run can have."""
+    if not -math.inf < scenario.start < scenario.stop < math.inf:
+        yield Diagnostic(
+            "simulation/window",
+            f"scenario '{scenario.name}' goes from {scenario.start:g} s to {scenario.stop:g} s; it must end after its "
+            "start, both at finite times",
+            help="give it a later stop: Scenario(stop=...)",
+        )
+    if not 0.0 < step < math.inf:
+        yield Diagnostic(
+            "simulation/step",
+            f"the step is {step} s; it must be positive and finite",
+            help="give a step well below the shortest period or time constant: simulate(..., step=1e-3)",
+        )
+    if not (record_every > 0.0 and integrals_every > 0.0):
+        yield Diagnostic(
+            "simulation/period",
+            f"rows are kept every {record_every:g} s, and integrals every {integrals_every:g} s; both must be positive",
+            help="give the period of recording in seconds: simulate(..., record_every=0.1)",
+        )
 
 
 def faults_of_scenario(scenario: Scenario, store: TableStore) -> Iterator[Diagnostic]:

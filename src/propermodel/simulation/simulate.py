@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -13,14 +12,15 @@ import numpy as np
 from propermodel.codegen.machine import FloatArray, Machine, Memory, Method, Outcome, Request, Status
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
-from propermodel.diagnostics import Path, SimulationError, one_of
+from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.endings import ending_of
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.events import Events
+from propermodel.simulation.finite import faults_of_settings
 from propermodel.simulation.overflow import Overflow, first_overflow
-from propermodel.simulation.start import Start, start_of
+from propermodel.simulation.start import Start, begin, start_of
 from propermodel.simulation.stopping import add_guard, drop_guard, stopping
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
 
@@ -90,10 +90,20 @@ def simulate(
     Raises:
         SimulationError: the scenario or an observable does not fit the model.
     """
-    check_settings(scenario, step, record_every, integrals_every)
-    selected = selected_entries(compiled, record)
+    faults = Faults(SimulationError)
+    faults.found.extend(faults_of_settings(scenario, step, record_every, integrals_every))
+    selected = np.zeros(0, dtype=np.int64)
+    with faults.collecting():
+        selected = selected_entries(compiled, record)
     before = time.perf_counter()
-    run_model = compiled if until is None else stopping(compiled, until)
+    run_model = compiled
+    with faults.collecting():
+        run_model = compiled if until is None else stopping(compiled, until)
+    if faults.found and continued_from is None:
+        # What else is wrong with the scenario belongs to the same answer.
+        with faults.collecting():
+            begin(compiled, scenario)
+    faults.raise_if_any()
     machine = run_model.machine(method)
     build_s = time.perf_counter() - before
     if continued_from is None:
@@ -151,33 +161,6 @@ def _begun(compiled: CompiledModel, scenario: Scenario, start: Literal["declared
             return equilibrium_start(compiled, scenario)
         case Start():
             return start
-
-
-def check_settings(scenario: Scenario, step: float, record_every: float, integrals_every: float) -> None:
-    """Check the window, the step and the periods of a run.
-
-    Raises:
-        SimulationError: one of them is not finite, not positive or in the wrong order.
-    """
-    if not -math.inf < scenario.start < scenario.stop < math.inf:
-        raise SimulationError.of(
-            "simulation/window",
-            f"scenario '{scenario.name}' goes from {scenario.start:g} s to {scenario.stop:g} s; it must end after its "
-            "start, both at finite times",
-            help="give it a later stop: Scenario(stop=...)",
-        )
-    if not 0.0 < step < math.inf:
-        raise SimulationError.of(
-            "simulation/step",
-            f"the step is {step} s; it must be positive and finite",
-            help="give a step well below the shortest period or time constant: simulate(..., step=1e-3)",
-        )
-    if not (record_every > 0.0 and integrals_every > 0.0):
-        raise SimulationError.of(
-            "simulation/period",
-            f"rows are kept every {record_every:g} s, and integrals every {integrals_every:g} s; both must be positive",
-            help="give the period of recording in seconds: simulate(..., record_every=0.1)",
-        )
 
 
 class _Rows:
@@ -305,6 +288,7 @@ def selected_entries(
     known = compiled.lowered.observables
     if record is None:
         return np.arange(compiled.lowered.signal_count, dtype=np.int64)
+    faults = Faults(SimulationError)
     chosen: dict[int, None] = {}
     for item in record:
         path = observable_path(item)
@@ -312,13 +296,17 @@ def selected_entries(
             [path.parent / "effort", path.parent / "flow"] if path.name == "power" and path not in known else [path]
         )
         for name in wanted:
-            if name not in known:
-                raise SimulationError.of(
-                    "simulation/unknown-observable",
-                    f"the model has no observable '{name}'",
-                    help=one_of(str(name), map(str, known)),
+            if name in known:
+                chosen[known[name].index] = None
+            else:
+                faults.add(
+                    Diagnostic(
+                        "simulation/unknown-observable",
+                        f"the model has no observable '{name}'",
+                        help=one_of(str(name), map(str, known)),
+                    )
                 )
-            chosen[known[name].index] = None
+    faults.raise_if_any()
     return np.array(list(chosen), dtype=np.int64)
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from propermodel.bondgraph.parameters import faults_of_range, in_unit
+from propermodel.bondgraph.parameters import parameter_values as find_values
 from propermodel.codegen.machine import FloatArray, Memory, start_memory
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
@@ -38,10 +40,18 @@ def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -
     """The value of every parameter, in SI; overrides replace what the model says.
 
     Raises:
-        SimulationError: an override names no parameter, or leaves its declared range.
+        SimulationError: an override names no parameter, or a parameter leaves its declared range.
     """
-    flat = compiled.graph.parameters
     faults = Faults(SimulationError)
+    values = _parameter_values(compiled, overrides, faults)
+    faults.raise_if_any()
+    return values
+
+
+def _parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float], faults: Faults) -> Values:
+    """The value of every parameter; overrides that cannot be are left out."""
+    flat = compiled.graph.parameters
+    fitting: dict[Path, float] = {}
     for path, value in overrides.items():
         if path not in flat:
             faults.add(
@@ -51,30 +61,21 @@ def parameter_values(compiled: CompiledModel, overrides: Mapping[Path, float]) -
                     help=one_of(str(path), map(str, flat), "this model has no parameters"),
                 )
             )
-        elif not flat[path].low <= value <= flat[path].high or not math.isfinite(value):
+        elif not math.isfinite(value):
             faults.add(
                 Diagnostic(
                     "simulation/parameter-range",
-                    f"'{path}' = {value:g} {flat[path].unit} lies outside {flat[path].low:g} to {flat[path].high:g}",
-                    help="give a finite value in SI inside the range, which stands where the parameter is declared",
+                    f"'{path}' = {in_unit(value, flat[path].unit)} is no finite number",
+                    source=flat[path].source,
+                    help="give a finite value in SI",
                 )
             )
-    faults.raise_if_any()
-    known: Values = {flat[path].symbol: float(value) for path, value in overrides.items()}
-    by_symbol = {p.symbol: p for p in flat.values()}
-    for start in flat.values():
-        pending = [start]
-        while pending:
-            top = pending[-1]
-            missing = [by_symbol[leaf] for leaf in leaves(top.value) if leaf not in known]
-            if top.symbol in known:
-                pending.pop()
-            elif missing:
-                pending.extend(missing)
-            else:
-                known[top.symbol] = interpret(top.value, known)
-                pending.pop()
-    return known
+        else:
+            fitting[path] = value
+    values = find_values(flat, fitting)
+    help = "give a value in SI inside the range, which stands where the parameter is declared"
+    faults.found.extend(faults_of_range("simulation/parameter-range", flat.values(), values, help))
+    return values
 
 
 def begin(compiled: CompiledModel, scenario: Scenario) -> Memory:
@@ -100,8 +101,8 @@ def start_of(compiled: CompiledModel, scenario: Scenario, store: TableStore | No
     """
     store = TableStore() if store is None else store
     faults = Faults(SimulationError)
-    parameters = parameter_values(compiled, scenario.parameters)
     flat = compiled.graph.parameters
+    parameters = _parameter_values(compiled, scenario.parameters, faults)
     faults.found.extend(faults_of_scenario(scenario, store))
     faults.found.extend(
         faults_of_values("parameter", ((p.path, parameters[p.symbol], p.source) for p in flat.values()))
