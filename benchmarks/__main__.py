@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import subprocess
 import sys
+import tempfile
+from collections.abc import Mapping
 from dataclasses import replace
 from statistics import median
 
 from benchmarks.growth import print_growth
 from propermodel.analysis.activity import rank_activity
 from propermodel.codegen.machine import Method
+from propermodel.codegen.object_cache import OFF, VARIABLE
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.library.vehicle.mission import mission
 from propermodel.library.vehicle.truck import HybridTruck
@@ -29,21 +33,28 @@ OUTPUTS = (
 STEP = 2e-4  # s
 WINDOW = 200.0  # s of the mission, for timing
 REPEATS = 5
+STARTS = 10
 
-COLD = """
+# Seconds of processor time that a new process spends on this.
+TIMED = """
 import time
-begin = time.perf_counter()
+begin = time.process_time()
+{}
+print(time.process_time() - begin)
+"""
+IMPORT = "import propermodel"
+FIRST_STEP = """
 from propermodel import Method, compile_model, elaborate
 from propermodel.library.vehicle.truck import HybridTruck
 compile_model(elaborate(HybridTruck())).machine(Method.SEMI_IMPLICIT)
-print(time.perf_counter() - begin)
 """
 
 
 def main() -> None:
     """Print every measurement."""
     print(f"{platform.platform()}, {platform.processor() or platform.machine()}, Python {platform.python_version()}")
-    _cold_start()
+    os.environ[VARIABLE] = OFF  # compiling is measured, not reading what an earlier run has left
+    _starts()
     full = compile_model(elaborate(HybridTruck()))
     scenario = mission("fmtv_mixed")
     reduced = _reduce(full, scenario)
@@ -51,9 +62,27 @@ def main() -> None:
     print_growth()
 
 
-def _cold_start() -> None:
-    seconds = float(subprocess.run([sys.executable, "-c", COLD], check=True, capture_output=True, text=True).stdout)
-    print(f"from source to the first step of the truck, new process: {seconds:.2f} s")
+def _starts() -> None:
+    print(f"processor time of new processes, median of {STARTS} (smallest to largest):")
+    with tempfile.TemporaryDirectory() as folder:
+        # As a user has it: the byte code of Python is kept, too.
+        without = os.environ | {"PYTHONPYCACHEPREFIX": folder, "PYTHONDONTWRITEBYTECODE": ""}
+        kept = without | {VARIABLE: folder}
+        _seconds(FIRST_STEP, kept)
+        _start("import numpy, for comparison", "import numpy", without)
+        _start("import propermodel", IMPORT, without)
+        _start("truck, from source to machine code", FIRST_STEP, without)
+        _start("the same, code kept by an earlier process", FIRST_STEP, kept)
+
+
+def _start(title: str, code: str, environment: Mapping[str, str]) -> None:
+    times = [_seconds(code, environment) for _ in range(STARTS)]
+    print(f"  {title:<42} {median(times):.2f} s ({min(times):.2f} to {max(times):.2f})")
+
+
+def _seconds(code: str, environment: Mapping[str, str]) -> float:
+    command = [sys.executable, "-c", TIMED.format(code)]
+    return float(subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout)
 
 
 def _reduce(full: CompiledModel, scenario: Scenario) -> CompiledModel:

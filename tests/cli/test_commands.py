@@ -327,3 +327,24 @@ def test_the_command_runs_as_a_process_without_progress_in_a_pipe():
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert "completed to 1 s" in done.stdout
+
+
+# -- cache ----------------------------------------------------------------------------------------------
+
+
+def test_cache_tells_what_is_kept_and_clears_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("PROPERMODEL_CACHE", str(tmp_path))
+    assert succeed("cache").splitlines() == [f"folder: {tmp_path}", "kept: 0 entries, 0.0 MiB of at most 256.0 MiB"]
+    succeed("run", MODEL, "--until", "0.01", "--step", "0.001")
+    (entry,) = tmp_path.iterdir()
+    told = json.loads(succeed("cache", "--json"))
+    size = entry.stat().st_size
+    assert told == {"folder": str(tmp_path), "entries": 1, "bytes": size, "most_bytes": 2**28, "cleared": False}
+    assert succeed("cache", "--clear").splitlines()[1].startswith("deleted: 1 entry, ")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_cache_says_that_it_is_off(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("PROPERMODEL_CACHE", "off")
+    assert succeed("cache") == "compiled code is not kept: PROPERMODEL_CACHE is off\n"
+    assert json.loads(succeed("cache", "--json")) == {"folder": None}

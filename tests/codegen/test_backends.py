@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.interpreted import InterpretedMachine
+from propermodel.codegen.llvm_compiler import Effort
 from propermodel.codegen.machine import Memory, Method, Outcome, Request
-from propermodel.codegen.native import QUICK, NativeMachine
+from propermodel.codegen.native import NativeMachine
 from propermodel.codegen.program import Extrapolation
 from propermodel.expressions import (
     absolute,
@@ -211,29 +212,31 @@ def test_cutting_functions_does_not_change_a_bit(name: str, method: Method) -> N
 
 @pytest.mark.parametrize("lanes", [1, 4])
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_thorough_code_has_the_bits_of_quick_code(name: str, lanes: int) -> None:
+def test_thorough_code_has_the_bits_of_quick_code(name: str, lanes: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PROPERMODEL_CACHE", "off")
     draft = PROGRAMS[name]()
     program = draft.program()
     quick = NativeMachine(program, Method.SEMI_IMPLICIT, lanes, long_run=math.inf)
     thorough = NativeMachine(program, Method.SEMI_IMPLICIT, lanes, long_run=0)
     memory, outcome = run(draft, quick, 200)
     expected_memory, expected = run(draft, thorough, 200)
-    assert quick.levels == QUICK != thorough.levels
+    assert (quick.effort, thorough.effort) == (Effort.QUICK, Effort.THOROUGH)
     np.testing.assert_array_equal(memory.state, expected_memory.state)
     np.testing.assert_array_equal(outcome.rows, expected.rows)
     np.testing.assert_array_equal(outcome.activities, expected.activities)
 
 
-def test_code_becomes_thorough_when_the_steps_taken_and_asked_for_are_many() -> None:
+def test_code_becomes_thorough_when_the_steps_taken_and_asked_for_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PROPERMODEL_CACHE", "off")
     draft = chain(3)
     machine = NativeMachine(draft.program(), Method.EULER, long_run=1000)
     memory = draft.memory()
     for until, is_quick in ((0.6, True), (0.9, True), (1.1, False)):
         machine.run(memory, Request(until=until, step=1e-3))
-        assert (machine.levels == QUICK) is is_quick
+        assert (machine.effort is Effort.QUICK) is is_quick
     machine = NativeMachine(draft.program(), Method.EULER, long_run=1000)
     machine.run(draft.memory(), Request(until=2.0, step=1e-3, most_ticks=1))
-    assert machine.levels != QUICK
+    assert machine.effort is Effort.THOROUGH
 
 
 def test_what_is_only_written_cannot_be_read() -> None:

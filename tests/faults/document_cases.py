@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import xarray as xr
@@ -75,6 +77,11 @@ def command(*arguments: object) -> Callable[[], str]:
 
 def unimportable() -> str:
     return command("check", f"{file_of('import nothing_of_this_name', 'rig.py')}:Rig")()
+
+
+def unreadable_cache() -> str:
+    with mock.patch.dict(os.environ, {"PROPERMODEL_CACHE": str(file_of("", "propermodel"))}):
+        return command("cache")()
 
 
 CASES = (
@@ -165,6 +172,7 @@ CASES = (
         names=("rig.py:1", "nothing_of_this_name"),
         cure="python",
     ),
+    Case(code="command/cache", run=unreadable_cache, names=("propermodel",), cure="PROPERMODEL_CACHE"),
     Case(
         code="command/point",
         run=command("linearise", f"{RIG}:QuarterCar", "--at", "1", "--equilibrium"),

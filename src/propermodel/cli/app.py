@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from propermodel.cli.activity import activity
+from propermodel.cli.cache import cache
 from propermodel.cli.check import check
 from propermodel.cli.demo import demo
 from propermodel.cli.faults import Commands
@@ -42,3 +43,4 @@ app.command()(linearise)
 app.command()(show)
 app.command()(check)
 app.command()(demo)
+app.command()(cache)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from enum import StrEnum
 
 from propermodel.codegen.interpreted import InterpretedMachine
+from propermodel.codegen.llvm_compiler import vector_lanes
 from propermodel.codegen.machine import Machine, Method
-from propermodel.codegen.native import NativeMachine, vector_lanes
+from propermodel.codegen.native import NativeMachine
 from propermodel.codegen.program import Program
 
 INTERPRETED_LANES = 256  # where the numbers of an operation cost more than its call

@@ -1,20 +1,14 @@
-"""The native machine: the whole loop of a program compiled in-process by LLVM.
-
-Code is compiled quickly at first, and thoroughly once a run is long enough to win back the time. Both give the same
-numbers to the last bit, as no instruction may be replaced by one of another value.
-"""
+"""The native machine: the whole loop of a program compiled in-process by LLVM."""
 
 from __future__ import annotations
 
-import ctypes
 import math
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from propermodel.codegen.llvm_compiler import Effort, Library
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS
 from propermodel.codegen.llvm_run import Code
 from propermodel.codegen.machine import (
@@ -31,75 +25,12 @@ from propermodel.codegen.machine import (
     sample_periods,
     state_failures,
 )
+from propermodel.codegen.native_code import NativeCode, Recipe
 from propermodel.codegen.native_memory import Control, ReadyTables, Work, ready_tables
-from propermodel.codegen.print_program import print_program
 from propermodel.codegen.program import Array, Program
 
-LARGE_MODULE = 1_000_000  # characters
 # Thorough code makes a step some 10 to 30 % shorter and takes as long to make as it saves in about a million steps.
 LONG_RUN = 500_000  # steps of one lane
-_compile_lock = threading.Lock()
-
-
-@dataclass(frozen=True)
-class Levels:
-    """How hard LLVM tries: the level of its passes over instructions, and of the choice of machine code."""
-
-    passes: int
-    code: int
-
-
-QUICK = Levels(passes=0, code=0)
-
-
-def thorough(text: str) -> Levels:
-    """The levels that make steps short.
-
-    Higher levels of code schedule instructions anew, which takes half of the time and makes no step shorter; what
-    further passes add finds nothing in straight-line code that is printed without repetition. In a large module the
-    first passes take as long as all the rest, and steps no longer become shorter.
-    """
-    return Levels(passes=1 if len(text) < LARGE_MODULE else 0, code=1)
-
-
-class _Library:
-    """Compiled code and its entry points; the code lives as long as this object."""
-
-    def __init__(self, text: str, has_events: bool, levels: Levels) -> None:
-        self.levels = levels
-        # llvmlite is slow to import and not needed by those who only interpret.
-        import llvmlite.binding as llvm
-
-        binding: Any = llvm
-        with _compile_lock:
-            binding.initialize_native_target()
-            binding.initialize_native_asmprinter()
-            target = binding.Target.from_default_triple()
-            machine = target.create_target_machine(
-                cpu=binding.get_host_cpu_name(), features=binding.get_host_cpu_features().flatten(), opt=levels.code
-            )
-            module = binding.parse_assembly(text)
-            module.triple = binding.get_default_triple()
-            module.data_layout = str(machine.target_data)
-            module.verify()
-            options = binding.create_pipeline_tuning_options(speed_level=levels.passes)
-            builder = binding.create_pass_builder(machine, options)
-            builder.getModulePassManager().run(module, builder)
-            self._engine = binding.create_mcjit_compiler(module, machine)
-            self._engine.finalize_object()
-        self.run = self._function("run", ctypes.c_void_p)
-        self.rates = self._function("evaluate.rates", ctypes.c_double)
-        self.observe = self._function("evaluate.observe", ctypes.c_double)
-        self.sample = self._function("evaluate.sample", ctypes.c_double)
-        if has_events:
-            self.guards = self._function("evaluate.guards", ctypes.c_double)
-            self.jumps = self._function("evaluate.jumps", ctypes.c_double)
-            self.advance = self._function("advance", ctypes.c_double, ctypes.c_double)
-
-    def _function(self, name: str, *last: Any) -> Callable[..., int]:
-        prototype = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *last)
-        return prototype(self._engine.get_function_address(name))
-
 
 _STATUS = {Code.FINISHED: Status.FINISHED, Code.PAUSED: Status.PAUSED, Code.EVENT: Status.EVENT}
 
@@ -118,14 +49,17 @@ class NativeMachine:
         self._program = program
         self._method = method
         self._lanes = lanes
-        self._source = print_program(program, method, lanes, most_instructions)
-        self._library = self._compiled(QUICK)
-        self._steps_to_thorough = long_run
+        self._recipe = recipe = Recipe(program, method, lanes, most_instructions)
+        kept = recipe.cached(Effort.THOROUGH)
+        self._steps_to_thorough = long_run if kept is None else math.inf
+        self._load(kept or recipe.get(Effort.QUICK))
         self._improving = threading.Lock()
         self._tables: ReadyTables | None = None
 
-    def _compiled(self, levels: Levels) -> _Library:
-        return _Library(self._source.text, self._program.guards is not None, levels)
+    def _load(self, native: NativeCode) -> None:
+        self._library = Library(native.code, self._program.guards is not None)
+        self._arrangement = native.arrangement
+        self._effort = native.effort
 
     @property
     def program(self) -> Program:
@@ -143,9 +77,9 @@ class NativeMachine:
         return self._lanes
 
     @property
-    def levels(self) -> Levels:
-        """How hard its code was compiled so far."""
-        return self._library.levels
+    def effort(self) -> Effort:
+        """How thoroughly the code that it runs was compiled."""
+        return self._effort
 
     def run(self, memory: Memory, request: Request) -> Outcome:
         """Continue the run in `memory` as requested."""
@@ -153,7 +87,7 @@ class NativeMachine:
         if self._lanes == 1:
             memory.alive[:] = True
         work = self._work(memory)
-        control = Control(self._source, memory, request, sample_periods(self._program, memory))
+        control = Control(self._arrangement, memory, request, sample_periods(self._program, memory))
         failures: list[Failure] = []
         library = self._library_for(memory, request)
         steps_before = memory.steps_taken
@@ -173,12 +107,12 @@ class NativeMachine:
         step = work.event_step() if code is Code.EVENT else 0.0
         return control.outcome(memory, _STATUS.get(code), failures, step)
 
-    def _library_for(self, memory: Memory, request: Request) -> _Library:
+    def _library_for(self, memory: Memory, request: Request) -> Library:
         """The code for a run: better code as soon as the steps taken and those still asked for are many."""
         with self._improving:
             ahead = self._lanes * (request.until - memory.time) / request.step
             if ahead >= self._steps_to_thorough:
-                self._library = self._compiled(thorough(self._source.text))
+                self._load(self._recipe.get(Effort.THOROUGH))
                 self._steps_to_thorough = math.inf
             return self._library
 
@@ -225,7 +159,7 @@ class NativeMachine:
         ready = self._tables
         if ready is None or ready.tables is not memory.tables:
             ready = self._tables = ready_tables(self._program, memory.tables)
-        return Work(self._source, memory, ready)
+        return Work(self._arrangement, memory, ready)
 
     def _evaluated(self, memory: Memory, function: Callable[..., int]) -> Work:
         work = self._work(memory)
@@ -234,12 +168,3 @@ class NativeMachine:
         if failures:
             raise not_converged(self._program, failures[0])
         return work
-
-
-def vector_lanes() -> int:
-    """How many numbers a vector register of this machine holds."""
-    import llvmlite.binding as llvm
-
-    binding: Any = llvm
-    features = binding.get_host_cpu_features()
-    return 8 if features.get("avx512f") else 4 if features.get("avx") else 2

@@ -20,7 +20,7 @@ from propermodel.codegen.machine import (
     TableData,
     count_from,
 )
-from propermodel.codegen.print_program import Source
+from propermodel.codegen.print_program import Arrangement
 from propermodel.codegen.program import Array, Program
 from propermodel.codegen.tables import PreparedTable, prepare_tables
 
@@ -30,22 +30,22 @@ _LARGEST = float(np.finfo(np.float64).max)
 class Work:
     """The block of numbers of one call, filled from a memory."""
 
-    def __init__(self, source: Source, memory: Memory, tables: ReadyTables) -> None:
-        self._frame = frame = source.frame
-        self._lanes = frame.shape.lanes
-        self._state_rows = source.state_rows
+    def __init__(self, arrangement: Arrangement, memory: Memory, tables: ReadyTables) -> None:
+        self._arrangement = arrangement
+        self._lanes = arrangement.lanes
+        self._state_rows = arrangement.state_rows
         self._memory = memory
-        storage = np.zeros(frame.rows * self._lanes + 16)
+        storage = np.zeros(arrangement.rows * self._lanes + 16)
         skip = (-storage.ctypes.data % 64) // 8
         self._storage = storage  # keeps the block alive
-        self._block = storage[skip : skip + frame.rows * self._lanes].reshape(frame.rows, self._lanes)
+        self._block = storage[skip : skip + arrangement.rows * self._lanes].reshape(arrangement.rows, self._lanes)
         self.address = self._block.ctypes.data
         self._tables = tables  # keeps what the code has pointers to
         self.tables_address = tables.descriptors.ctypes.data
         self._fill()
 
     def _fill(self) -> None:
-        memory, block, regions = self._memory, self._block, self._frame.regions
+        memory, block, regions = self._memory, self._block, self._arrangement.regions
         for region, values in (
             (Array.DISCRETE, memory.discrete),
             (Array.PARAMETER, memory.parameter),
@@ -77,24 +77,24 @@ class Work:
     def read_alive(self) -> None:
         """Let the code know which lanes are alive; a single lane always is."""
         alive = self._memory.alive if self._lanes > 1 else True
-        self._block[self._frame.regions["alive"]] = alive
+        self._block[self._arrangement.regions["alive"]] = alive
 
     def get(self, array: Array) -> FloatArray:
         """A copy of an array as memories have it."""
-        start = self._frame.regions[array]
-        count = self._frame.layout.lengths.get(array, 0)
+        start = self._arrangement.regions[array]
+        count = self._arrangement.lengths.get(array, 0)
         return self._shaped(self._block[start : start + count])
 
     def rate(self) -> FloatArray:
         """The rates in the order of the states."""
-        return self._shaped(self._block[self._frame.regions[Array.RATE] + self._state_rows])
+        return self._shaped(self._block[self._arrangement.regions[Array.RATE] + self._state_rows])
 
     def _shaped(self, rows: FloatArray) -> FloatArray:
         return rows[:, 0].copy() if self._lanes == 1 else rows.copy()
 
     def write_back(self) -> None:
         """Bring what has changed into the memory."""
-        memory, block, regions = self._memory, self._block, self._frame.regions
+        memory, block, regions = self._memory, self._block, self._arrangement.regions
         for region, values in (
             (Array.DISCRETE, memory.discrete),
             (Array.UNKNOWN, memory.unknown),
@@ -110,11 +110,11 @@ class Work:
 
     def event_step(self) -> float:
         """The length of the step in which an event lies."""
-        return float(self._block[self._frame.regions["event.step"], 0])
+        return float(self._block[self._arrangement.regions["event.step"], 0])
 
     def solve_failures(self) -> list[Failure]:
         """The solves that have failed since the last call, at most one in each lane."""
-        regions = self._frame.regions
+        regions = self._arrangement.regions
         numbers = self._block[regions["failed"]]
         times = self._block[regions["failed_time"]]
         found = [
@@ -160,10 +160,9 @@ def _descriptors(tables: list[PreparedTable]) -> IntArray:
 class Control:
     """The control block of one call and the buffers for its rows."""
 
-    def __init__(self, source: Source, memory: Memory, request: Request, periods: Sequence[float]) -> None:
-        frame = source.frame
-        lanes = frame.shape.lanes
-        powers = frame.layout.lengths.get(Array.POWER, 0)
+    def __init__(self, arrangement: Arrangement, memory: Memory, request: Request, periods: Sequence[float]) -> None:
+        lanes = arrangement.lanes
+        powers = arrangement.lengths.get(Array.POWER, 0)
         self._lanes = lanes
         self._selected = np.ascontiguousarray(request.selected, dtype=np.int64)
         most = request.most_rows

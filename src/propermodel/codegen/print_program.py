@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,13 +21,40 @@ from propermodel.codegen.program import Array, Program, Solve
 from propermodel.codegen.reciprocals import with_reciprocals
 
 
+@dataclass(frozen=True, eq=False)
+class Arrangement:
+    """Where numbers are in the block of a run: where regions begin, and the row of every state in its regions."""
+
+    lanes: int
+    rows: int
+    regions: Mapping[str, int]
+    lengths: Mapping[Array, int]
+    state_rows: IntArray
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data, from which `from_json` makes the same."""
+        return {
+            "lanes": self.lanes,
+            "rows": self.rows,
+            "regions": dict(self.regions),
+            "lengths": dict(self.lengths),
+            "state_rows": self.state_rows.tolist(),
+        }
+
+    @staticmethod
+    def from_json(data: Mapping[str, Any]) -> Arrangement:
+        """What `to_json` has told."""
+        rows = np.array(data["state_rows"], dtype=np.int64)
+        lengths = {Array(name): length for name, length in data["lengths"].items()}
+        return Arrangement(data["lanes"], data["rows"], data["regions"], lengths, rows)
+
+
 @dataclass(frozen=True)
 class Source:
-    """The printed program: its text, where its numbers are, and the row of every state in the state regions."""
+    """The printed program: its text, and where its numbers are."""
 
     text: str
-    frame: Frame
-    state_rows: IntArray
+    arrangement: Arrangement
 
 
 def print_program(
@@ -56,7 +85,8 @@ def print_program(
         write_events(module, program, count)
     write_run(module, program)
     text = module.text() + "\n" + TABLE_FUNCTIONS
-    return Source(text, frame, np.array([state_rows[i] for i in range(len(state_rows))], dtype=np.int64))
+    rows = np.array([state_rows[i] for i in range(len(state_rows))], dtype=np.int64)
+    return Source(text, Arrangement(lanes, frame.rows, frame.regions, dict(lengths), rows))
 
 
 def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) -> None:
