@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from propermodel.bondgraph.graph import BondGraph, SampledController
 from propermodel.bondgraph.pseudo import pseudo_elements
@@ -37,7 +38,7 @@ from propermodel.expressions.core import (
     symbol,
     where,
 )
-from propermodel.modelling.model import TableValues, Variable
+from propermodel.modelling.model import Variable
 
 
 @dataclass(frozen=True)
@@ -362,14 +363,14 @@ def _table_slot(graph: BondGraph, path: Path) -> TableSlot:
         path=path,
         dimensions=len(table.values.grids),
         extrapolation=Extrapolation(table.spec.extrapolation),
-        is_uniform=False if table.is_input else is_uniform(table.values),
+        is_uniform=False if table.is_input else is_uniform(table.values.grids),
     )
 
 
-def is_uniform(values: TableValues) -> bool:
+def is_uniform(grids: Iterable[ArrayLike]) -> bool:
     """Whether every grid is equidistant to rounding."""
-    for grid in values.grids:
-        gaps = np.diff(np.array(grid))
+    for grid in grids:
+        gaps = np.diff(np.asarray(grid))
         if np.any(np.abs(gaps - np.mean(gaps)) > 1e-9 * abs(np.mean(gaps))):
             return False
     return True

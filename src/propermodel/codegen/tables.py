@@ -97,8 +97,9 @@ def _prepare(slot: TableSlot, data: TableData) -> PreparedTable:
 
 def _axis(grid: FloatArray) -> Axis:
     pairs = np.empty((grid.size + 2, 2))
-    pairs[:, 0] = [-np.inf, *grid, np.inf]
-    pairs[:, 1] = [grid[0], *grid, grid[-1]]
+    pairs[1:-1] = grid[:, np.newaxis]
+    pairs[0] = -np.inf, grid[0]
+    pairs[-1] = np.inf, grid[-1]
     density = (grid.size - 1) / (grid[-1] - grid[0]) if grid.size > 1 else 0.0
     return Axis(grid, pairs, float(density))
 

@@ -37,7 +37,7 @@ class TableStore:
         if found is None:
             data = TableData(tuple(np.array(grid) for grid in values.grids), np.array(values.values))
             wrong = _wrong(data)
-            found = StoredTable(values, data, not wrong and is_uniform(values), wrong)
+            found = StoredTable(values, data, not wrong and is_uniform(data.grids), wrong)
             self._kept[id(values)] = found
         return found
 
