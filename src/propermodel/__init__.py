@@ -71,6 +71,7 @@ from propermodel.modelling import (
     ZeroEffort,
     ZeroFlow,
     ZeroJunction,
+    activated_bond,
     bond,
     chain,
     connect,
@@ -187,6 +188,7 @@ __all__ = [
     # connections
     "connect",
     "bond",
+    "activated_bond",
     "chain",
     "free",
     "measured",

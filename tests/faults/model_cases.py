@@ -53,6 +53,26 @@ def event_of_something_else() -> object:
     return elaborate(Bouncing(mass=1.0))
 
 
+def force_of_a_mass_that_moves() -> object:
+    follower = Mass(mass=2.0)
+    wiring = pm.activated_bond(Rig.mass.flange, follower.flange, carries="effort")
+    rig = made(
+        {"mass": Rig.mass, "spring": Rig.spring, "wall": Rig.wall, "follower": follower}, *Rig.connections, wiring
+    )
+    return compile_model(elaborate(rig()))
+
+
+def speed_for_a_shaft() -> object:
+    wheel = Flywheel(inertia=1.0)
+    wiring = pm.activated_bond(Rig.mass.flange, wheel.shaft, carries="flow")
+    rig = made({"mass": Rig.mass, "spring": Rig.spring, "wall": Rig.wall, "wheel": wheel}, *Rig.connections, wiring)
+    return compile_model(elaborate(rig()))
+
+
+def carries_a_voltage() -> object:
+    return pm.activated_bond(Rig.mass.flange, Rig.spring.a, carries="voltage")  # pyright: ignore[reportArgumentType]
+
+
 # -- names ----------------------------------------------------------------------------------------------
 
 
@@ -370,6 +390,27 @@ def driven_twice() -> object:
 
 
 CASES = (
+    Case(
+        code="model/activated-bond",
+        run=force_of_a_mass_that_moves,
+        names=("mass.flange.to_follower_flange", "force", "velocity", "1-junction"),
+        at="wiring = pm.activated_bond(Rig.mass.flange, follower",
+        cure='carries="flow"',
+    ),
+    Case(
+        code="model/activated-bond",
+        run=speed_for_a_shaft,
+        names=("mass.flange.to_wheel_shaft", "velocity of translation", "rotation"),
+        at="wiring = pm.activated_bond(Rig.mass.flange, wheel",
+        cure="use a sensor",
+    ),
+    Case(
+        code="model/activated-bond",
+        run=carries_a_voltage,
+        names=("voltage",),
+        at="pm.activated_bond(",
+        cure='carries="effort" or carries="flow"',
+    ),
     Case(
         code="model/event",
         run=event_of_something_else,

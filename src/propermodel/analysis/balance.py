@@ -20,15 +20,19 @@ class EnergyBalance:
     `integration_residual` shows what the step and the laws are worth. `wiring_residual` is the sum of all element
     powers, which the junction structure makes vanish. Pseudo bonds have a balance of their own for each domain, of the
     product of effort and flow, which is no energy.
+
+    Activated bonds take no power where they begin; what they give where they end is no work of a source that was
+    written, so each is named with it.
     """
 
-    supplied: float  # work of all sources, counted into the system
-    throughput: float  # sum over sources of the integral of |power|
+    supplied: float  # work of all sources, counted into the system; without activated bonds
+    throughput: float  # sum over sources and activated bonds of the integral of |power|
     exchanged: float  # sum over storage of the integral of |power|
     stored: float
     dissipated: float
     wiring_residual: float
     sources: tuple[tuple[Path, float], ...]
+    activated: tuple[tuple[Path, float], ...] = ()  # what each activated bond gave
     converted: float = 0.0  # what converters have taken to pseudo bonds
     lost_in_events: float = 0.0
     pseudo: Mapping[str, EnergyBalance] = field(default_factory=dict[str, "EnergyBalance"])
@@ -36,7 +40,8 @@ class EnergyBalance:
     @property
     def integration_residual(self) -> float:
         """What is missing between supplied energy and that stored, dissipated, converted and lost in events."""
-        return self.supplied - self.stored - self.dissipated - self.converted - self.lost_in_events
+        given = self.supplied + sum(energy for _, energy in self.activated)
+        return given - self.stored - self.dissipated - self.converted - self.lost_in_events
 
     @property
     def relative_residual(self) -> float:
@@ -57,7 +62,8 @@ class EnergyBalance:
         converted = f" + converted {self.converted:.6g}{end}" if self.converted else ""
         events = f" + lost in events {self.lost_in_events:.6g}{end}" if self.lost_in_events else ""
         residual = f"residual {self.relative_residual:.2e} of {scale}, wiring {abs(self.wiring_residual):.2e}{end}"
-        return f"sources {self.supplied:.6g}{end} = {kept}{converted}{events}; {residual}"
+        given = "".join(f" + activated bond {path} {energy:.6g}{end}" for path, energy in self.activated)
+        return f"sources {self.supplied:.6g}{end}{given} = {kept}{converted}{events}; {residual}"
 
 
 def energy_balance(trajectory: Trajectory) -> EnergyBalance:
@@ -74,6 +80,7 @@ def _balance(trajectory: Trajectory, bonds: set[Path]) -> EnergyBalance:
     graph = trajectory.compiled.graph
     supplied = throughput = exchanged = dissipated = converted = wiring = 0.0
     sources: list[tuple[Path, float]] = []
+    activated: list[tuple[Path, float]] = []
     members: set[Path] = set()
     for path, ends in graph.normal.at().items():
         element = graph.normal.elements.get(path)
@@ -87,6 +94,9 @@ def _balance(trajectory: Trajectory, bonds: set[Path]) -> EnergyBalance:
         converts = len(own) < len(ends)
         if converts and not is_pseudo(graph, own[0]):
             converted += inward
+        elif (bond := graph.activated_sources.get(path)) is not None:
+            throughput += passed
+            activated.append((bond.path, -inward))
         elif converts or element.kind in (ElementKind.EFFORT_SOURCE, ElementKind.FLOW_SOURCE):
             supplied -= inward
             throughput += passed
@@ -108,5 +118,6 @@ def _balance(trajectory: Trajectory, bonds: set[Path]) -> EnergyBalance:
         dissipated=dissipated,
         wiring_residual=wiring,
         sources=tuple(sources),
+        activated=tuple(activated),
         converted=converted,
     )

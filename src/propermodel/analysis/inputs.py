@@ -68,7 +68,9 @@ def open_inputs(compiled: CompiledModel, memory: Memory, chosen: Iterable[Expr |
     held = {item.data.path: item for item in compiled.lowered.held}
     by_port = {path: name for name, source in sources.items() for path in (source.port, *source.variables)}
     if chosen is None:
-        names = list(tables) or [name for name, source in sources.items() if not source.is_zero]
+        names = list(tables) or [
+            name for name, source in sources.items() if not source.is_zero and name not in graph.activated_sources
+        ]
     else:
         names: list[Path] = []
         faults = Faults(SimulationError)

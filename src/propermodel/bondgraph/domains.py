@@ -1,12 +1,36 @@
-"""Whether all that bonds and junctions join is of one domain."""
+"""The domain of every bond, and whether all that bonds and junctions join is of one."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
-from propermodel.bondgraph.graph import End, Structure
+from propermodel.bondgraph.graph import Bond, End, Structure
 from propermodel.bondgraph.nodes import Nodes
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Involved, Path
+
+
+def complete_domains(bonds: dict[Path, Bond]) -> None:
+    """Let bonds between written junctions take the domain of their neighbours."""
+    unknown = [name for name, bond in bonds.items() if not bond.domain]
+    by_owner: dict[Path, str] = {}
+    while unknown:
+        for bond in bonds.values():
+            if bond.domain:
+                for end in (bond.tail, bond.head):
+                    if not end.port:
+                        by_owner[end.owner] = bond.domain
+        rest: list[Path] = []
+        for name in unknown:
+            bond = bonds[name]
+            domain = by_owner.get(bond.tail.owner) or by_owner.get(bond.head.owner)
+            if domain:
+                bonds[name] = replace(bond, domain=domain)
+            else:
+                rest.append(name)
+        if len(rest) == len(unknown):
+            break
+        unknown = rest
 
 
 def mixed_domains(structure: Structure, port_domain: Mapping[Path, str]) -> list[Diagnostic]:

@@ -7,9 +7,11 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from propermodel.bondgraph.activated import Ends, activated, faults, sources_of, with_domains
 from propermodel.bondgraph.circles import parameter_circles
-from propermodel.bondgraph.domains import mixed_domains
+from propermodel.bondgraph.domains import complete_domains, mixed_domains
 from propermodel.bondgraph.graph import (
+    ActivatedBond,
     Bond,
     BondGraph,
     Element,
@@ -34,6 +36,7 @@ from propermodel.expressions.core import TIME, Expr, SymbolKind, constant, looku
 from propermodel.expressions.units import parse_unit
 from propermodel.modelling.domains import Shared
 from propermodel.modelling.model import (
+    Activation,
     Block,
     Definition,
     Direction,
@@ -92,6 +95,7 @@ def flatten(model: Model) -> BondGraph:
         known_zero={name: v for name, v in net.known_zero.items() if name in original.bonds},
         idle=tuple(path for path in original.elements if path not in normal.elements),
         discretes=tuple(walk.discretes),
+        activated=tuple(bond for bond in walk.activated if bond.given in normal.bonds),
         events=tuple(event for event in walk.events if _still_happens(event, original, normal)),
     )
 
@@ -124,6 +128,8 @@ class _Flattening:
         self.node_source: dict[Path, Source] = {}
         self.links: list[tuple[Path, Expr, Source]] = []
         self.arrows: list[tuple[Path, Path, Source]] = []
+        self.activations: list[Ends] = []
+        self.activated: list[ActivatedBond] = []
         self.element_ports: list[tuple[Path, Path, str]] = []  # port path, element path, port name
         self.openings: dict[Path, Opening] = {}
         self.scenario_ports: set[Path] = set()
@@ -275,6 +281,8 @@ class _Flattening:
                 self.node_source.setdefault(self.nodes.find(ports[0]), connection.source)
             case HalfArrow():
                 self.arrows.append((path + connection.tail, path + connection.head, connection.source))
+            case Activation(tail=tail, head=head, carries=carries, source=source):
+                self.activations.append(Ends(place=path, tail=tail, head=head, carries=carries, source=source))
             case SignalLink():
                 value = scope(connection.value)
                 self.links.extend((path + target, value, connection.source) for target in connection.targets)
@@ -325,7 +333,7 @@ class _Flattening:
         for connection in definition.connections:
             if isinstance(connection, Node):
                 named.update(connection.ports)
-            elif isinstance(connection, HalfArrow):
+            elif isinstance(connection, HalfArrow | Activation):
                 named.update((connection.tail, connection.head))
             elif isinstance(connection, OpenPort):
                 named.add(connection.port)
@@ -443,11 +451,25 @@ class _Flattening:
             out = out or port in self.scenario_ports
             tail, head = (end, node) if out else (node, end)
             bonds[port] = Bond(port, tail, head, self.port_domain[port])
+        for ends in self.activations:
+            bond, both = activated(ends, place(ends.place + ends.tail), place(ends.place + ends.head))
+            self.activated.append(bond)
+            bonds.update({one.name: one for one in both})
+        complete_domains(bonds)
+        self.activate(bonds, junctions)
         structure = Structure(self.elements, junctions, bonds)
         self.faults.found.extend(mixed_domains(structure, self.port_domain))
-        self.complete_domains(bonds)
         self.find_node_ports(structure)
         return structure
+
+    def activate(self, bonds: dict[Path, Bond], junctions: dict[Path, Junction]) -> None:
+        """Put the sources at both ends of activated bonds, whose domains are known by now."""
+        with_domains(bonds, self.activated)
+        for bond in self.activated:
+            found = faults(bond, bonds, junctions, self.domains)
+            self.faults.found.extend(found)
+            sources = sources_of(bond, self.domains.get(bonds[bond.felt].domain))
+            self.elements.update({source.path: source for source in sources})
 
     def has_sense(self, element: Path, port: str, into: bool) -> bool:
         """Whether the law of an element holds for a half arrow that points into it (or away from it)."""
@@ -455,28 +477,6 @@ class _Flattening:
         if isinstance(behaviour, PowerSource):
             return True
         return into is not (isinstance(behaviour, TwoPort) and port == "b")
-
-    def complete_domains(self, bonds: dict[Path, Bond]) -> None:
-        """Bonds between written junctions take the domain of their neighbours."""
-        unknown = [name for name, bond in bonds.items() if not bond.domain]
-        by_owner: dict[Path, str] = {}
-        while unknown:
-            for bond in bonds.values():
-                if bond.domain:
-                    for end in (bond.tail, bond.head):
-                        if not end.port:
-                            by_owner[end.owner] = bond.domain
-            rest: list[Path] = []
-            for name in unknown:
-                bond = bonds[name]
-                domain = by_owner.get(bond.tail.owner) or by_owner.get(bond.head.owner)
-                if domain:
-                    bonds[name] = replace(bond, domain=domain)
-                else:
-                    rest.append(name)
-            if len(rest) == len(unknown):
-                break
-            unknown = rest
 
     def find_node_ports(self, structure: Structure) -> None:
         """Remember, for every port of a composite, the bonds on its inner side."""

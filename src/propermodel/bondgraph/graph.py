@@ -54,6 +54,17 @@ class Bond:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ActivatedBond:
+    """A bond that carries one variable: it is felt at the bond of a source of nothing, and given by another source."""
+
+    path: Path
+    felt: Path  # the bond without power at its tail
+    given: Path  # the bond of the source at its head
+    carries: Variable
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Element:
     """An energetic primitive; the expressions of its laws are in absolute symbols."""
 
@@ -181,6 +192,12 @@ class BondGraph:
     idle: tuple[Path, ...]  # elements that removals left without anything to act on
     discretes: tuple[tuple[Expr, Expr], ...] = ()  # held values that events change, and their starts
     events: tuple[FlatEvent, ...] = ()
+    activated: tuple[ActivatedBond, ...] = ()
+
+    @property
+    def activated_sources(self) -> Mapping[Path, ActivatedBond]:
+        """The activated bond that each source at the head of one stands for."""
+        return {bond.given.parent: bond for bond in self.activated}
 
     @property
     def held(self) -> tuple[tuple[Expr, Expr], ...]:
@@ -194,9 +211,16 @@ class BondGraph:
             return variable.value
         return domain.effort if variable is Variable.EFFORT else domain.flow
 
+    def activation_text(self, bond: ActivatedBond) -> str:
+        """An activated bond with a full arrow and what it carries."""
+        felt, given = self.original.bonds[bond.felt], self.original.bonds[bond.given]
+        return f"{felt.tail.path} => {given.head.path}  (activated: {self.word(felt, bond.carries)} only)"
+
     def __str__(self) -> str:
         lines = [f"bond graph of {self.model.name}: {len(self.normal.elements)} elements, "]
         lines[0] += f"{len(self.normal.junctions)} junctions, {len(self.normal.bonds)} bonds"
         lines.extend(f"  {element.kind:<3} {element.path}" for element in self.normal.elements.values())
-        lines.extend(f"  {bond.tail.path} -> {bond.head.path}" for bond in self.normal.bonds.values())
+        given = {bond.given for bond in self.activated}
+        lines.extend(f"  {b.tail.path} -> {b.head.path}" for b in self.normal.bonds.values() if b.name not in given)
+        lines.extend(f"  {self.activation_text(bond)}" for bond in self.activated)
         return "\n".join(lines)

@@ -66,9 +66,11 @@ def _mark(start: Place, number: int, neighbours: dict[Place, list[Place]], part_
 
 
 def _ties(graph: BondGraph) -> Iterator[tuple[Place, Place]]:
-    """What belongs together: the ends of a bond, a signal and what it is made of, an event and what it looks at."""
+    """What belongs together: ends of bonds, a signal and what it is made of, an event and what it looks at."""
     for bond in graph.original.bonds.values():
         yield bond.tail.owner, bond.head.owner
+    for bond in graph.activated:
+        yield bond.felt.parent, bond.given.parent
     for leaf, value in graph.signals.items():
         yield from _tied(graph, _place(graph, leaf), [value])
     for state in graph.signal_states:

@@ -49,7 +49,7 @@ def assign_causality(
             if element.path in constraints:
                 work.fix(element, {bond.name: False for bond in work.at[element.path]}, Why.CONSTRAINT)
             else:
-                work.fix(element, work.source_pattern(element), Why.SOURCE)
+                work.fix(element, work.source_pattern(element), work.why_source(element))
     for element in elements:
         if isinstance(element.behaviour, Resistive) and len(patterns := work.law_patterns(element)) == 1:
             work.fix(element, patterns[0], Why.LAW)
@@ -101,6 +101,7 @@ class Assignment:
     def __init__(self, graph: BondGraph) -> None:
         self.graph = graph
         self.structure = graph.normal
+        self.activated = graph.activated_sources
         self.at = graph.normal.at()
         self.strokes: dict[Path, Stroke] = {}
         self.trail: list[Path] = []
@@ -119,6 +120,10 @@ class Assignment:
     def source_pattern(self, element: Element) -> Pattern:
         """The strokes of a source."""
         return {bond.name: element.kind is ElementKind.FLOW_SOURCE for bond in self.at[element.path]}
+
+    def why_source(self, element: Element) -> Why:
+        """Whether a source is one, or the end of an activated bond."""
+        return Why.ACTIVATED if element.path in self.activated else Why.SOURCE
 
     def law_patterns(self, element: Element) -> list[Pattern]:
         """The strokes that each law of a resistance needs; those that its implicit law allows come last."""

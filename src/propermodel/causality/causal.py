@@ -14,6 +14,7 @@ class Why(StrEnum):
     """What decides a causal stroke."""
 
     SOURCE = "a source prescribes it"
+    ACTIVATED = "an activated bond carries only this variable"
     CONSTRAINT = "closes a kinematic loop: its effort keeps its flow"
     LAW = "only this causality has a law"
     PREFERENCE = "its author prefers this causality"

@@ -26,7 +26,7 @@ def assign_beyond_laws(graph: BondGraph) -> CausalGraph | None:
     elements = graph.normal.elements.values()
     for element in elements:
         if isinstance(element.behaviour, PowerSource) and not work.attempt(
-            element, work.source_pattern(element), Why.SOURCE
+            element, work.source_pattern(element), work.why_source(element)
         ):
             return None
     for element in elements:

@@ -120,6 +120,9 @@ def _gives(work: Assignment, element: Element) -> Variable | None:
 
 def _role(work: Assignment, inversion: Inversion | None, element: Element) -> str:
     """What an element does in a conflict."""
+    if (bond := work.activated.get(element.path)) is not None:
+        word = work.graph.word(work.at[element.path][0], bond.carries)
+        return f"is the end of an activated bond, which carries its {word} and gives it here"
     if element.kind is ElementKind.FLOW_SOURCE:
         return f"prescribes its {work.graph.word(work.at[element.path][0], Variable.FLOW)}"
     if element.kind is ElementKind.EFFORT_SOURCE:

@@ -18,11 +18,12 @@ WIDTH = 100
 # Reports name as many paths or loops of a kind, and count the others.
 MOST_LISTED = 20
 
-_DECIDED = frozenset({Why.SOURCE, Why.CONSTRAINT, Why.LAW, Why.PREFERENCE, Why.INTEGRAL, Why.DERIVATIVE, Why.CHOICE})
+_FOLLOWED = frozenset({Why.JUNCTION, Why.TWO_PORT})
 
 
 _REASONS = {
     Why.SOURCE: "source",
+    Why.ACTIVATED: "activated bond",
     Why.CONSTRAINT: "closes a loop",
     Why.LAW: "only law",
     Why.PREFERENCE: "preferred by its author",
@@ -150,6 +151,8 @@ class CausalReport:
         match step.why:
             case Why.SOURCE:
                 return f"{who} prescribes the {given} of {where}."
+            case Why.ACTIVATED:
+                return f"{who} is the end of an activated bond, which gives the {given} of {where} and feels nothing."
             case Why.CONSTRAINT:
                 return f"{who} closes a kinematic loop: the {given} of {where} keeps its flow."
             case Why.LAW:
@@ -222,6 +225,10 @@ class CausalReport:
         for item in self.dependent:
             lines.append(f"dependent storage {self._place(item.storage)} follows from")
             lines += _listed([self._arrows(path) for path in item.paths])
+        graph = self.causal.graph
+        if graph.activated:
+            lines.append(f"activated bonds: {len(graph.activated)}")
+            lines += _listed([f"{bond.path}: {graph.activation_text(bond)}" for bond in graph.activated])
         if self.causal.constraints:
             lines.append(f"kinematic loops: {len(self.causal.constraints)}, closed by")
             lines += _listed([self._place(path) for path in self.causal.constraints])
@@ -317,7 +324,7 @@ def _steps(causal: CausalGraph) -> Iterator[CausalStep]:
 
 
 def _is_decision(stroke: Stroke) -> bool:
-    return stroke.why in _DECIDED
+    return stroke.why not in _FOLLOWED
 
 
 def _place_of(causal: CausalGraph, bond: Bond, at: Mapping[Path, list[Bond]], known: set[Path]) -> Path:

@@ -2,6 +2,7 @@
 
 from propermodel.modelling.components import Component, Parameter, Port, Table, parameter, repeat, replace
 from propermodel.modelling.connections import (
+    activated_bond,
     bond,
     chain,
     connect,
@@ -99,6 +100,7 @@ __all__ = [
     "ZeroEffort",
     "ZeroFlow",
     "ZeroJunction",
+    "activated_bond",
     "bond",
     "chain",
     "connect",

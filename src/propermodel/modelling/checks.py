@@ -10,8 +10,10 @@ from propermodel.diagnostics import Diagnostic, Path, Source, nearest
 from propermodel.expressions.core import Expr, SymbolKind, leaves, postorder
 from propermodel.modelling.domains import DomainData
 from propermodel.modelling.model import (
+    Activation,
     Behaviour,
     Block,
+    Connection,
     Definition,
     Direction,
     HalfArrow,
@@ -336,7 +338,7 @@ class _Check:
             if not event.changes and event.restitution is None:
                 self.fault(f"event {number} changes nothing", source=event.source)
 
-    def connection(self, connection: Node | HalfArrow | SignalLink | OpenPort) -> None:
+    def connection(self, connection: Connection) -> None:
         """A connection names ports of the definition and of its direct parts."""
         match connection:
             case Node():
@@ -346,7 +348,7 @@ class _Check:
                 if len(domains) > 1:
                     joined = ", ".join(sorted(str(d) for d in domains))
                     self.fault(f"a connection joins ports of different domains ({joined})", source=connection.source)
-            case HalfArrow():
+            case HalfArrow() | Activation():
                 for path in (connection.tail, connection.head):
                     part = self.parts.get(path.name) if len(path) == 1 else None
                     if part is None or not isinstance(part.definition.behaviour, JunctionKind):

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, TypeVar, overload
+from typing import Any, Literal, TypeVar, overload
 
 from propermodel.diagnostics import ModelError, Source
 from propermodel.expressions.core import Expr
 from propermodel.modelling.components import Port, call_site
 from propermodel.modelling.domains import Domain
 from propermodel.modelling.elements import Junction
-from propermodel.modelling.model import Opening
+from propermodel.modelling.model import Opening, Variable
 
 D = TypeVar("D", bound=Domain)
 
@@ -34,6 +34,15 @@ class Bonded:
 
 
 @dataclass(frozen=True)
+class Activated:
+    """An activated bond from one port or junction to another."""
+
+    ends: tuple[Port[Any] | Junction, Port[Any] | Junction]  # tail, head
+    carries: Variable
+    source: Source
+
+
+@dataclass(frozen=True)
 class Driven:
     """A signal that drives others."""
 
@@ -51,7 +60,7 @@ class Open:
     source: Source
 
 
-Wiring = Joined | Bonded | Driven | Open
+Wiring = Joined | Bonded | Activated | Driven | Open
 
 
 @overload
@@ -82,6 +91,26 @@ def connect(first: Any, *others: Any) -> Wiring:
 def bond(tail: Port[Any] | Junction, head: Port[Any] | Junction) -> Wiring:
     """A bond whose half arrow points from `tail` to `head`: power is positive that way."""
     return Bonded((tail, head), call_site(1))
+
+
+def activated_bond(
+    tail: Port[Any] | Junction, head: Port[Any] | Junction, *, carries: Literal["effort", "flow"]
+) -> Wiring:
+    """An activated bond: the effort (or flow) at `tail` acts at `head`, and nothing acts back.
+
+    At its tail it takes no power, at its head it gives what the effort (or flow) there needs; the energy balance of a
+    run names it with that energy. An effort is taken from a 0-junction, a flow from a 1-junction: anywhere else a bond
+    without the other variable would hold the junction still.
+    """
+    site = call_site(1)
+    if carries not in tuple(Variable):
+        raise ModelError.of(
+            "model/activated-bond",
+            f"an activated bond carries an effort or a flow; it was given '{carries}'",
+            source=site,
+            help='write carries="effort" or carries="flow"',
+        )
+    return Activated((tail, head), Variable(carries), site)
 
 
 def chain(parts: Sequence[Any], out: str, into: str) -> tuple[Wiring, ...]:

@@ -20,6 +20,7 @@ from propermodel.modelling.checks import faults_of
 from propermodel.modelling.domains import DomainData, Shared
 from propermodel.modelling.expression_documents import ExpressionTable, read_expressions
 from propermodel.modelling.model import (
+    Activation,
     Block,
     ConstantEffort,
     ConstantFlow,
@@ -176,6 +177,10 @@ BEHAVIOUR = tagged(
 CONNECTION = tagged(
     node=(Node, record(Node, ports=many(PATH), source=SOURCE)),
     bond=(HalfArrow, record(HalfArrow, tail=PATH, head=PATH, source=SOURCE)),
+    activated_bond=(
+        Activation,
+        record(Activation, tail=PATH, head=PATH, carries=choice(Variable), source=SOURCE),
+    ),
     signal=(SignalLink, record(SignalLink, value=EXPR, targets=many(PATH), source=SOURCE)),
     open=(OpenPort, record(OpenPort, port=PATH, opening=choice(Opening), source=SOURCE)),
 )

@@ -14,12 +14,13 @@ from propermodel.expressions.interpret import interpret
 from propermodel.expressions.units import dimension_text, parse_unit
 from propermodel.modelling.checks import faults_of
 from propermodel.modelling.components import Component, Parameter, Port, Repeated, Table, in_unit
-from propermodel.modelling.connections import Bonded, Driven, Joined, Open, Wiring
+from propermodel.modelling.connections import Activated, Bonded, Driven, Joined, Open, Wiring
 from propermodel.modelling.domains import DomainData
 from propermodel.modelling.elements import Junction
 from propermodel.modelling.events import discretes_of, events_of
 from propermodel.modelling.kinematics import Expansion, KinematicTransformer, expand
 from propermodel.modelling.model import (
+    Activation,
     Behaviour,
     Connection,
     Definition,
@@ -283,6 +284,9 @@ class _Elaboration:
             case Bonded():
                 tail, head = (_place(cls, end, item.source) for end in item.ends)
                 return HalfArrow(tail=tail, head=head, source=item.source)
+            case Activated():
+                tail, head = (_place(cls, end, item.source) for end in item.ends)
+                return Activation(tail=tail, head=head, carries=item.carries, source=item.source)
             case Open():
                 return OpenPort(port=_place(cls, item.ports[0], item.source), opening=item.opening, source=item.source)
             case Driven():

@@ -270,6 +270,16 @@ class HalfArrow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Activation:
+    """An activated bond: it carries one variable from its tail to its head, and takes no power at its tail."""
+
+    tail: Path
+    head: Path
+    carries: Variable
+    source: Source = field(default=NO_SOURCE, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SignalLink:
     """A signal (an expression of observables and signals) that drives inputs or outputs."""
 
@@ -295,7 +305,7 @@ class OpenPort:
     source: Source = field(default=NO_SOURCE, compare=False)
 
 
-Connection = Node | HalfArrow | SignalLink | OpenPort
+Connection = Node | HalfArrow | Activation | SignalLink | OpenPort
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
