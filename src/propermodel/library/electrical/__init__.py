@@ -31,7 +31,13 @@ from propermodel.library.electrical.machines import (
     OperationalAmplifier,
     VoiceCoil,
 )
-from propermodel.library.electrical.sensors import CurrentSensor, VoltageSensor
+from propermodel.library.electrical.sensors import (
+    ChargeSensor,
+    CurrentSensor,
+    FloatingVoltageSensor,
+    FluxLinkageSensor,
+    VoltageSensor,
+)
 from propermodel.library.electrical.sources import (
     ConstantCurrent,
     ConstantVoltage,
@@ -45,6 +51,7 @@ from propermodel.library.electrical.transistors import FieldEffectTransistor
 
 __all__ = [
     "Capacitor",
+    "ChargeSensor",
     "Conductor",
     "ConstantCurrent",
     "ConstantVoltage",
@@ -58,7 +65,9 @@ __all__ = [
     "ElectromechanicalConversion",
     "FieldEffectTransistor",
     "FloatingCurrentSource",
+    "FloatingVoltageSensor",
     "FloatingVoltageSource",
+    "FluxLinkageSensor",
     "Ground",
     "IdealGyrator",
     "IdealTransformer",

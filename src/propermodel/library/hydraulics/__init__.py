@@ -10,7 +10,13 @@ from propermodel.library.hydraulics.cylinders import Cylinder, FixedPump, Piston
 from propermodel.library.hydraulics.fluids import NITROGEN, BenedictWebbRubin
 from propermodel.library.hydraulics.lines import LaminarLine, LineSection, OilInertia
 from propermodel.library.hydraulics.machines import Displacement, PumpMotor, TorqueLoss, UnitFriction, VolumetricLoss
-from propermodel.library.hydraulics.sensors import FlowSensor, PressureSensor
+from propermodel.library.hydraulics.sensors import (
+    FlowSensor,
+    PressureDropSensor,
+    PressureMomentumSensor,
+    PressureSensor,
+    VolumeSensor,
+)
 from propermodel.library.hydraulics.sources import (
     ConstantPressure,
     ConstantVolumeFlow,
@@ -45,6 +51,8 @@ __all__ = [
     "Orifice",
     "Piston",
     "Plunger",
+    "PressureDropSensor",
+    "PressureMomentumSensor",
     "PressureSensor",
     "PressureSource",
     "PumpMotor",
@@ -53,5 +61,6 @@ __all__ = [
     "TorqueLoss",
     "UnitFriction",
     "VolumeFlowSource",
+    "VolumeSensor",
     "VolumetricLoss",
 ]

@@ -12,7 +12,11 @@ from propermodel.library.pseudo_thermal.converters import (
     ResistorHeat,
     TrueThermalPort,
 )
-from propermodel.library.pseudo_thermal.sensors import HeatFlowSensor, TemperatureSensor
+from propermodel.library.pseudo_thermal.sensors import (
+    HeatFlowSensor,
+    HeatSensor,
+    TemperatureSensor,
+)
 from propermodel.library.pseudo_thermal.sources import FixedTemperature, PrescribedHeatFlow, PrescribedTemperature
 
 __all__ = [
@@ -20,6 +24,7 @@ __all__ = [
     "FixedTemperature",
     "FrictionHeat",
     "HeatFlowSensor",
+    "HeatSensor",
     "HeatStore",
     "PrescribedHeatFlow",
     "PrescribedTemperature",

@@ -1,9 +1,22 @@
-"""Sensors of temperature and heat flow; they take no heat."""
+"""Sensors of temperature, heat flow and heat; they take no heat."""
 
 from __future__ import annotations
 
-from propermodel.expressions import ExprLike
-from propermodel.modelling import Component, EffortSource, FlowSource, Output, Port, PseudoThermal, connect
+from propermodel.expressions import Expr, ExprLike
+from propermodel.modelling import (
+    Component,
+    EffortSource,
+    FlowSource,
+    Input,
+    Output,
+    Parameter,
+    Port,
+    PseudoThermal,
+    SignalBlock,
+    State,
+    connect,
+    parameter,
+)
 
 
 class NoHeat(FlowSource):
@@ -53,4 +66,39 @@ class HeatFlowSensor(Component):
         connect(a, meter.a),
         connect(meter.b, b),
         connect(meter.port.flow, heat_flow),
+    )
+
+
+class HeatCounter(SignalBlock):
+    """The heat that a flow has carried."""
+
+    heat_flow = Input("W")
+    heat = Output("J")
+    start: Parameter = parameter("J", default=0.0)
+    passed = State("J", start=start)
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.heat: self.passed}
+
+    def derivatives(self) -> dict[Expr, ExprLike]:
+        return {self.passed: self.heat_flow}
+
+
+class HeatSensor(Component):
+    """The heat that has passed from port `a` to port `b`, and the heat flow."""
+
+    a = Port(PseudoThermal)
+    b = Port(PseudoThermal)
+    start: Parameter = parameter("J", default=0.0, doc="heat at the start")
+    heat = Output("J")
+    heat_flow = Output("W")
+
+    meter = NoDrop()
+    counter = HeatCounter(start=start)
+
+    connections = (
+        connect(a, meter.a),
+        connect(meter.b, b),
+        connect(meter.port.flow, heat_flow, counter.heat_flow),
+        connect(counter.heat, heat),
     )

@@ -13,7 +13,12 @@ from propermodel.library.thermal.components import (
     WallConductance,
 )
 from propermodel.library.thermal.heating import HeatingDamper, HeatingFriction
-from propermodel.library.thermal.sensors import TemperatureSensor
+from propermodel.library.thermal.sensors import (
+    EntropyFlowSensor,
+    EntropySensor,
+    HeatFlowSensor,
+    TemperatureSensor,
+)
 from propermodel.library.thermal.sources import (
     Ambient,
     ConstantHeatFlow,
@@ -28,8 +33,11 @@ __all__ = [
     "Conduction",
     "ConstantHeatFlow",
     "Convection",
+    "EntropyFlowSensor",
+    "EntropySensor",
     "FixedTemperature",
     "HeatCapacity",
+    "HeatFlowSensor",
     "HeatFlowSource",
     "HeatSource",
     "HeatingDamper",

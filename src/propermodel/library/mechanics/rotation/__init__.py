@@ -31,7 +31,12 @@ from propermodel.library.mechanics.rotation.machines import (
     TorqueGivenLoss,
     passing_efficiency,
 )
-from propermodel.library.mechanics.rotation.sensors import RotationSensor, TorqueSensor
+from propermodel.library.mechanics.rotation.sensors import (
+    AngularImpulseSensor,
+    RelativeRotationSensor,
+    RotationSensor,
+    TorqueSensor,
+)
 from propermodel.library.mechanics.rotation.sources import (
     ConstantSpeed,
     ConstantTorque,
@@ -41,6 +46,7 @@ from propermodel.library.mechanics.rotation.sources import (
 )
 
 __all__ = [
+    "AngularImpulseSensor",
     "Backlash",
     "BeltDrive",
     "Brake",
@@ -56,6 +62,7 @@ __all__ = [
     "ModulatedGear",
     "PlanetaryGear",
     "QuadraticTorque",
+    "RelativeRotationSensor",
     "RollingWheel",
     "RotatingInertia",
     "RotationSensor",

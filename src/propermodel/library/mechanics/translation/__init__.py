@@ -22,7 +22,12 @@ from propermodel.library.mechanics.translation.components import (
 )
 from propermodel.library.mechanics.translation.contact import Impact
 from propermodel.library.mechanics.translation.friction import StickingFriction
-from propermodel.library.mechanics.translation.sensors import ForceSensor, MotionSensor
+from propermodel.library.mechanics.translation.sensors import (
+    ForceSensor,
+    ImpulseSensor,
+    MotionSensor,
+    RelativeMotionSensor,
+)
 from propermodel.library.mechanics.translation.sources import (
     ConstantForce,
     ConstantVelocity,
@@ -45,11 +50,13 @@ __all__ = [
     "GasSpring",
     "HardeningSpring",
     "Impact",
+    "ImpulseSensor",
     "Lever",
     "Mass",
     "MotionSensor",
     "Projection",
     "QuadraticDrag",
+    "RelativeMotionSensor",
     "Spring",
     "SpringDamper",
     "StickingFriction",

@@ -1,4 +1,4 @@
-"""Sensors of straight-line motion; they take no power."""
+"""Sensors of straight-line motion, forces and their impulses; they take no power."""
 
 from __future__ import annotations
 
@@ -85,4 +85,70 @@ class ForceSensor(Component):
         connect(a, link.a),
         connect(link.b, b),
         connect(link.port.effort, force),
+    )
+
+
+class Separation(EffortSource):
+    """Two flanges between which no force acts."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    port = Port(Translation, between=(a, b))
+
+    def effort(self) -> ExprLike:
+        return 0.0
+
+
+class RelativeMotionSensor(Component):
+    """Velocity and position of flange `a` against flange `b`."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    start: Parameter = parameter("m", default=0.0, doc="relative position at the start")
+    velocity = Output("m/s")
+    position = Output("m")
+
+    touch = Separation()
+    odometer = Odometer(start=start)
+
+    connections = (
+        connect(a, touch.a),
+        connect(b, touch.b),
+        connect(touch.port.flow, velocity, odometer.velocity),
+        connect(odometer.position, position),
+    )
+
+
+class ImpulseCounter(SignalBlock):
+    """The momentum that a force has handed on."""
+
+    force = Input("N")
+    impulse = Output("N.s")
+    start: Parameter = parameter("N.s", default=0.0)
+    passed = State("N.s", start=start)
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.impulse: self.passed}
+
+    def derivatives(self) -> dict[Expr, ExprLike]:
+        return {self.passed: self.force}
+
+
+class ImpulseSensor(Component):
+    """The momentum that has passed from flange `a` to flange `b`, and the force, positive in compression."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    start: Parameter = parameter("N.s", default=0.0, doc="impulse at the start")
+    impulse = Output("N.s")
+    force = Output("N")
+
+    link = RigidLink()
+    counter = ImpulseCounter(start=start)
+
+    connections = (
+        connect(a, link.a),
+        connect(link.b, b),
+        connect(link.port.effort, force, counter.force),
+        connect(counter.impulse, impulse),
     )
