@@ -11,6 +11,7 @@ from propermodel.analysis.balance import energy_balance
 from propermodel.expressions import Expr
 from propermodel.modelling import (
     Compliance,
+    EffortSource,
     Inertia,
     OneJunction,
     Parameter,
@@ -21,6 +22,7 @@ from propermodel.modelling import (
     bond,
     connect,
     parameter,
+    quantity,
 )
 from tests.parts import Capacitor, Coil, Flywheel, Ground, Lever, Motor, Resistor, Voltage
 from tests.physics.systems import close, eigenvalues, run, system
@@ -69,6 +71,24 @@ def test_two_elements_can_be_bonded_to_each_other():
     m, k = Heavy(mass=1.0), Elastic(stiffness=4.0)
     r = run(system(bond(m.port, k.port), m=m, k=k), 3.0, initial={"m.momentum": 1.0})
     close(r["m.port.flow"], np.cos(2.0 * r.time))
+
+
+class Pull(EffortSource):
+    """A force of 6 N."""
+
+    port = Port(Translation)
+
+    def effort(self) -> Expr:
+        return quantity(6.0, "N")
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_source_can_be_bonded_to_an_element(sign):
+    pull, c = Pull(), Viscous(damping=2.0)
+    r = run(system(bond(pull.port, c.port) if sign > 0.0 else bond(c.port, pull.port), pull=pull, c=c), 1.0)
+    # The same force along the half arrow; a damper counts power into itself.
+    assert r.at_end("c.port.flow") == pytest.approx(sign * 3.0)
+    assert energy_balance(r).dissipated == pytest.approx(18.0)
 
 
 @pytest.mark.parametrize("along", list(product([True, False], repeat=2)))

@@ -436,6 +436,12 @@ class _Flattening:
                 else place(p)
                 for p, into in ((tail, False), (head, True))
             ]
+            if ends[0].port and ends[1].port:
+                # Each element has its laws in the variables of its own port: two bonds with a junction between them.
+                node = place(tail)
+                bonds[tail] = Bond(tail, ends[0], node, domain_of(tail))
+                bonds[head] = Bond(head, node, ends[1], domain_of(head))
+                continue
             name = next((p for p in (head, tail) if p in terminals and ends[(tail, head).index(p)].port), None)
             if name is None:
                 name = tail / f"to_{'_'.join(head)}"
