@@ -332,7 +332,7 @@ class Assignment:
         if len(possible) > 1 or not any(b.name in self.strokes for b in bonds):
             return []
         return [
-            (b, element.path if possible[0][b.name] else b.other(element.path).owner, Why.LAW)
+            (b, element.path if possible[0][b.name] else b.other(element.path).owner, Why.REMAINING)
             for b in bonds
             if b.name not in self.strokes
         ]

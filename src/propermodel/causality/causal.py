@@ -21,6 +21,7 @@ class Why(StrEnum):
     INTEGRAL = "integral causality preferred"
     DERIVATIVE = "integral causality is impossible"
     CHOICE = "chosen: both causalities are possible"
+    REMAINING = "only one law fits the other strokes of its element"
     JUNCTION = "follows at a junction"
     TWO_PORT = "follows through a two-port"
 

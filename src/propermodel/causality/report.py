@@ -18,7 +18,7 @@ WIDTH = 100
 # Reports name as many paths or loops of a kind, and count the others.
 MOST_LISTED = 20
 
-_FOLLOWED = frozenset({Why.JUNCTION, Why.TWO_PORT})
+_FOLLOWED = frozenset({Why.REMAINING, Why.JUNCTION, Why.TWO_PORT})
 
 
 _REASONS = {
@@ -30,6 +30,7 @@ _REASONS = {
     Why.INTEGRAL: "integral causality",
     Why.DERIVATIVE: "derivative causality",
     Why.CHOICE: "chosen, either fits",
+    Why.REMAINING: "only law left",
     Why.JUNCTION: "junction",
     Why.TWO_PORT: "two-port",
 }
