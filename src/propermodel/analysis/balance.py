@@ -22,10 +22,11 @@ class EnergyBalance:
     product of effort and flow, which is no energy.
 
     Activated bonds take no power where they begin; what they give where they end is no work of a source that was
-    written, so each is named with it.
+    written, so each is named with it. So is storage whose law changes from outside, through a signal or with time (the
+    gap of a capacitor that somebody opens), with the work of whatever changes it.
     """
 
-    supplied: float  # work of all sources, counted into the system; without activated bonds
+    supplied: float  # work of all sources, counted into the system; without activated bonds and modulation
     throughput: float  # sum over sources and activated bonds of the integral of |power|
     exchanged: float  # sum over storage of the integral of |power|
     stored: float
@@ -33,6 +34,7 @@ class EnergyBalance:
     wiring_residual: float
     sources: tuple[tuple[Path, float], ...]
     activated: tuple[tuple[Path, float], ...] = ()  # what each activated bond gave
+    modulated: tuple[tuple[Path, float], ...] = ()  # what changes of its law have brought into each storage
     converted: float = 0.0  # what converters have taken to pseudo bonds
     lost_in_events: float = 0.0
     pseudo: Mapping[str, EnergyBalance] = field(default_factory=dict[str, "EnergyBalance"])
@@ -40,13 +42,14 @@ class EnergyBalance:
     @property
     def integration_residual(self) -> float:
         """What is missing between supplied energy and that stored, dissipated, converted and lost in events."""
-        given = self.supplied + sum(energy for _, energy in self.activated)
+        given = self.supplied + sum(energy for _, energy in (*self.activated, *self.modulated))
         return given - self.stored - self.dissipated - self.converted - self.lost_in_events
 
     @property
     def relative_residual(self) -> float:
         """The integration residual as a share of the source work, without sources of what storage exchanged."""
-        gone = (self.stored, self.dissipated, self.converted, self.lost_in_events)
+        brought = (energy for _, energy in self.modulated)
+        gone = (self.stored, self.dissipated, self.converted, self.lost_in_events, *brought)
         scale = max(self.throughput or self.exchanged, *map(abs, gone))
         return abs(self.integration_residual) / scale if scale else 0.0
 
@@ -63,6 +66,7 @@ class EnergyBalance:
         events = f" + lost in events {self.lost_in_events:.6g}{end}" if self.lost_in_events else ""
         residual = f"residual {self.relative_residual:.2e} of {scale}, wiring {abs(self.wiring_residual):.2e}{end}"
         given = "".join(f" + activated bond {path} {energy:.6g}{end}" for path, energy in self.activated)
+        given += "".join(f" + modulation of {path} {energy:.6g}{end}" for path, energy in self.modulated)
         return f"sources {self.supplied:.6g}{end}{given} = {kept}{converted}{events}; {residual}"
 
 
@@ -105,6 +109,11 @@ def _balance(trajectory: Trajectory, bonds: set[Path]) -> EnergyBalance:
             dissipated += inward
         elif element.kind.is_storage:
             exchanged += passed
+    modulated = tuple(
+        (item.element, trajectory.work(item.element / "modulation"))
+        for item in trajectory.compiled.system.modulations
+        if item.element in members
+    )
     stored = sum(
         trajectory.at_end(item.element / "energy") - trajectory.at_start(item.element / "energy")
         for item in trajectory.compiled.system.energies
@@ -119,5 +128,6 @@ def _balance(trajectory: Trajectory, bonds: set[Path]) -> EnergyBalance:
         wiring_residual=wiring,
         sources=tuple(sources),
         activated=tuple(activated),
+        modulated=modulated,
         converted=converted,
     )

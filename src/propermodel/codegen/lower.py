@@ -46,7 +46,7 @@ class PowerEntry:
     """One entry of the power array: a bond, a row of several bonds, or a table (time spent outside it)."""
 
     path: Path
-    kind: str  # "bond", "row" or "outside"
+    kind: str  # "bond", "row", "modulation" or "outside"
     value: Expr
 
 
@@ -85,7 +85,8 @@ class Lowered:
 def lower(system: EquationSystem) -> Lowered:
     """The program of an equation system."""
     graph = system.causal.graph
-    powers = (*_bond_powers(system), *_row_powers(system))
+    modulations = (PowerEntry(m.element / "modulation", "modulation", m.power) for m in system.modulations)
+    powers = (*_bond_powers(system), *_row_powers(system), *modulations)
     observables, signals = _signals(system)
     roots = [state.derivative for state in system.states]
     roots += [e.value for e in powers] + signals

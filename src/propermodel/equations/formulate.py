@@ -17,6 +17,7 @@ from propermodel.equations.fields import causality_of, is_coordinate, state_symb
 from propermodel.equations.impacts import impacts_of
 from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution
+from propermodel.equations.modulation import modulations_of
 from propermodel.equations.rows import rows_of
 from propermodel.equations.sequence import in_sequence
 from propermodel.equations.solve import eliminate
@@ -98,22 +99,23 @@ def formulate(causal: CausalGraph) -> EquationSystem:
         (c.path, tuple((held, finish(resolution.complete(value))) for held, value in c.updates))
         for c in in_sequence(causal.graph)
     )
+    finished = tuple(
+        StateVariable(
+            path=s.path,
+            symbol=s.symbol,
+            unit=s.unit,
+            kind=s.kind,
+            start=s.start,
+            low=s.low,
+            high=s.high,
+            derivative=finish(s.derivative),
+            source=s.source,
+        )
+        for s in states
+    )
     return EquationSystem(
         causal=causal,
-        states=tuple(
-            StateVariable(
-                path=s.path,
-                symbol=s.symbol,
-                unit=s.unit,
-                kind=s.kind,
-                start=s.start,
-                low=s.low,
-                high=s.high,
-                derivative=finish(s.derivative),
-                source=s.source,
-            )
-            for s in states
-        ),
+        states=finished,
         dependents=_dependents(definitions, resolution, states),
         closures=closures_of(causal, definitions, resolution, states),
         blocks=tuple(blocks),
@@ -124,6 +126,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
         updates=updates,
         events=events,
         impacts=impacts_of(causal, definitions, resolution, states, events, finish),
+        modulations=modulations_of(causal, finished, lambda expr: finish(resolution.complete(expr))),
     )
 
 

@@ -74,6 +74,14 @@ class Stored:
     energy: Expr
 
 
+@dataclass(frozen=True, slots=True)
+class Modulation:
+    """The power that enters one storage element where its law changes from outside, through a signal or with time."""
+
+    element: Path
+    power: Expr
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DependentStorage:
     """Storage that follows from the states, with the start that its author gave it.
@@ -155,6 +163,7 @@ class EquationSystem:
     updates: tuple[tuple[Path, tuple[tuple[Expr, Expr], ...]], ...]  # controller: held value, new value
     events: tuple[SystemEvent, ...] = ()
     impacts: Impacts | None = None
+    modulations: tuple[Modulation, ...] = ()
 
     def __str__(self) -> str:
         return equations_text(self)
