@@ -178,6 +178,10 @@ class ModelError(ProperModelError):
     """The description of a model is wrong: names, ports, units, connections."""
 
 
+class UnknownNameError(ModelError, AttributeError):
+    """A component or port has nothing of this name; an `AttributeError` too, so that Python's own look-ups work."""
+
+
 class StructureError(ProperModelError):
     """The bond graph cannot be given causality or equations."""
 

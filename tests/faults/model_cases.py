@@ -182,6 +182,37 @@ def domains_bonded() -> object:
     return compile_model(elaborate(Mixed()))
 
 
+def misspelt_port() -> object:
+    class Rig(Component):
+        mass, spring, wall = Mass(mass=1.0), Spring(stiffness=1.0), Fixed()
+        connections = (
+            connect(spring.b, wall.flange),
+            connect(mass.flnge, spring.a),  # pyright: ignore[reportAttributeAccessIssue]
+        )
+
+    return Rig()
+
+
+def misspelt_in_a_law() -> object:
+    class Drag(Resistance):
+        port = Port(Translation)
+        damping: Parameter = parameter("N.s/m", default=1.0)
+
+        def effort(self, flow):
+            return self.dampign * flow  # pyright: ignore[reportAttributeAccessIssue]
+
+    return elaborate(Drag())
+
+
+def misspelt_observable() -> object:
+    return Rig().mass.flange.flw  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def misspelt_in_a_chain() -> object:
+    first, second = Spring(stiffness=1.0), Spring(stiffness=1.0)
+    return pm.chain([first, second], "bb", "a")
+
+
 def two_domains() -> object:
     class Other(Domain):
         name = "translation"
@@ -517,6 +548,34 @@ CASES = (
         names=("bonds join", "rotation", "translation", "node (1-junction)", "mass.flange", "wheel.shaft"),
         at="node = pm.OneJunction()",
         cure="transducer",
+    ),
+    Case(
+        code="model/unknown-name",
+        run=misspelt_port,
+        names=("Mass", "flnge"),
+        at="connect(mass.flnge, spring.a)",
+        cure="did you mean 'flange'?",
+    ),
+    Case(
+        code="model/unknown-name",
+        run=misspelt_in_a_law,
+        names=("Drag", "dampign"),
+        at="return self.dampign * flow",
+        cure="did you mean 'damping'?",
+    ),
+    Case(
+        code="model/unknown-name",
+        run=misspelt_observable,
+        names=("a power port", "flw"),
+        at="return Rig().mass.flange.flw",
+        cure="did you mean 'flow'?",
+    ),
+    Case(
+        code="model/unknown-name",
+        run=misspelt_in_a_chain,
+        names=("Spring", "bb"),
+        at="pm.chain(",
+        cure="did you mean 'b'?",
     ),
     Case(
         code="model/two-domains", run=two_domains, names=("translation",), at="port = Port(Other)", cure="another name"

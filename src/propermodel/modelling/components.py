@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Generic, Self, TypeVar, dataclass_transform, overload
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar, dataclass_transform, overload
 
-from propermodel.diagnostics import Involved, ModelError, Path, Source, one_of, portable_file
+from propermodel.diagnostics import Involved, ModelError, Path, Source, UnknownNameError, one_of, portable_file
 from propermodel.expressions.core import Expr, ExprLike, SymbolKind, as_expr, lookup
 from propermodel.expressions.units import parse_unit
 from propermodel.modelling.domains import Domain
@@ -19,6 +19,8 @@ from propermodel.modelling.model import TableValues
 from propermodel.modelling.references import Declared, reference
 
 D = TypeVar("D", bound=Domain)
+
+_OBSERVABLES = ("effort", "flow", "power", "displacement", "momentum")
 
 
 def call_site(depth: int) -> Source:
@@ -134,6 +136,15 @@ class TableView:
         return lookup(self.leaf, *coordinates)
 
 
+def _unknown(owner: str, name: str, known: Iterable[str]) -> AttributeError:
+    """The error for a name that a component or port does not have; Python's own look-ups get Python's own."""
+    if name.startswith("_"):
+        return AttributeError(f"{owner} has no attribute '{name}'")
+    return UnknownNameError.of(
+        "model/unknown-name", f"{owner} has no '{name}'", source=call_site(2), help=one_of(name, known)
+    )
+
+
 class Port(Generic[D]):
     """A power port of a component; its `effort`, `flow` and `power` are observables, positive into it."""
 
@@ -155,6 +166,11 @@ class Port(Generic[D]):
         view.domain, view.between, view.source = self.domain, self.between, self.source
         view.root, view.path = instance.root, instance.path / instance.name_of(self)
         return view
+
+    if not TYPE_CHECKING:  # a checker shall see what there is not
+
+        def __getattr__(self, name: str) -> Any:
+            raise _unknown("a power port", name, _OBSERVABLES)
 
     @property
     def effort(self) -> Expr:
@@ -260,6 +276,11 @@ class Component:
     path: Path
     values: dict[str, Any]
     replaced: dict[str, Component]
+
+    if not TYPE_CHECKING:  # a checker shall see what there is not
+
+        def __getattr__(self, name: str) -> Any:
+            raise _unknown(type(self).__name__, name, type(self).declarations)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"components are immutable; make a variant with replace(component, {name}=...)")

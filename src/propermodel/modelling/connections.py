@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, TypeVar, overload
 
-from propermodel.diagnostics import ModelError, Source
+from propermodel.diagnostics import ModelError, Source, UnknownNameError
 from propermodel.expressions.core import Expr
 from propermodel.modelling.components import Port, call_site
 from propermodel.modelling.domains import Domain
@@ -116,7 +116,15 @@ def activated_bond(
 def chain(parts: Sequence[Any], out: str, into: str) -> tuple[Wiring, ...]:
     """Connections of each part's port `out` with the next one's port `into`."""
     site = call_site(1)
-    return tuple(Joined((getattr(a, out), getattr(b, into)), site) for a, b in pairwise(parts))
+    return tuple(Joined((_port(a, out, site), _port(b, into, site)), site) for a, b in pairwise(parts))
+
+
+def _port(part: Any, name: str, site: Source) -> Port[Any]:
+    """The port of a part that the author names at a place."""
+    try:
+        return getattr(part, name)
+    except UnknownNameError as error:
+        raise UnknownNameError([replace(diagnostic, source=site) for diagnostic in error.diagnostics]) from None
 
 
 def free(port: Port[Any]) -> Wiring:
