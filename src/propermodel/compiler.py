@@ -17,9 +17,10 @@ from functools import cached_property
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import BondGraph
+from propermodel.bondgraph.parameters import parameter_values
 from propermodel.bondgraph.separate import separate_parts
 from propermodel.causality.complete import complete_causality
-from propermodel.causality.transformer_loops import locked_loops
+from propermodel.causality.transformer_loops import TransformerLoop, locked_loops, transformer_loops
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
@@ -56,7 +57,14 @@ class CompiledModel:
         """What its author may not have meant, although it can be simulated; what removals bring about is meant."""
         if self.model.removals:
             return ()
-        return (*separate_parts(self.graph), *locked_loops(self.graph), *impulsive_sources(self.system))
+        loops = self.transformer_loops
+        locked = locked_loops(self.graph, loops, parameter_values(self.graph.parameters)) if loops else ()
+        return (*separate_parts(self.graph), *locked, *impulsive_sources(self.system))
+
+    @cached_property
+    def transformer_loops(self) -> tuple[TransformerLoop, ...]:
+        """Two-ports in a ring; whether they lock or repeat each other depends on parameters."""
+        return transformer_loops(self.graph.normal)
 
     def machine(self, method: Method, lanes: int = 1) -> Machine:
         """The native code for one integration method."""

@@ -24,6 +24,7 @@ from propermodel import (
     elaborate,
     parameter,
 )
+from propermodel.compiler import compile_quietly
 from tests.faults.case import Case, warned
 from tests.parts import (
     Capacitor,
@@ -125,6 +126,12 @@ class Gearbox(Component):
         connect(drive.shaft, input.shaft, first.a, second.b),
         connect(first.b, second.a, output.shaft),
     )
+
+
+def shifted(back: float) -> object:
+    """A run with another ratio on the way back than the model has."""
+    scenario = pm.Scenario(parameters={"back": back})  # pyright: ignore[reportArgumentType]
+    return pm.simulate(compile_quietly(elaborate(Gearbox(back=3.0))), scenario)
 
 
 class Carried(Component):
@@ -364,6 +371,13 @@ CASES = (
     Case(
         code="causality/transformer-loop",
         run=lambda: compiled(Gearbox()),
+        names=("first and second", "share the torque", "second  has the modulus 0.5"),
+        at="first = Gear(",
+        cure="leave one of them out",
+    ),
+    Case(
+        code="causality/transformer-loop",
+        run=lambda: shifted(0.5),
         names=("first and second", "share the torque", "second  has the modulus 0.5"),
         at="first = Gear(",
         cure="leave one of them out",

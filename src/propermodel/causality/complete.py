@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from propermodel.bondgraph.graph import BondGraph
+from propermodel.bondgraph.parameters import parameter_values
 from propermodel.causality.assign import assign_causality
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.completion import assign_beyond_laws
 from propermodel.causality.faults import causal_faults
-from propermodel.causality.transformer_loops import redundant_loops
+from propermodel.causality.transformer_loops import redundant_loops, transformer_loops
 from propermodel.diagnostics import Faults, StructureError
 
 
@@ -18,7 +19,8 @@ def complete_causality(graph: BondGraph) -> CausalGraph:
         StructureError: there are no strokes at all, or two-ports in a ring repeat each other; with every fault found.
     """
     faults = Faults(StructureError)
-    faults.found.extend(redundant_loops(graph))
+    if loops := transformer_loops(graph.normal):
+        faults.found.extend(redundant_loops(graph, loops, parameter_values(graph.parameters)))
     found: CausalGraph | None = None
     try:
         found = assign_causality(graph)

@@ -8,12 +8,11 @@ nothing decides how they share what they transmit.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
 from propermodel.bondgraph.graph import BondGraph, Structure
-from propermodel.bondgraph.parameters import parameter_values
 from propermodel.diagnostics import Diagnostic, Involved, Path, Severity
 from propermodel.expressions.core import MINUS_ONE, ONE, Expr, SymbolKind, divide, is_zero, leaves
 from propermodel.expressions.interpret import interpret
@@ -151,9 +150,8 @@ def _way(ratios: list[_Ratio], came_by: Mapping[Signal, int | None], signal: Sig
 # -- faults --------------------------------------------------------------------------------------------------
 
 
-def redundant_loops(graph: BondGraph) -> list[Diagnostic]:
-    """A fault for each loop whose moduli multiply to 1."""
-    loops, values = _loops(graph)
+def redundant_loops(graph: BondGraph, loops: Iterable[TransformerLoop], values: Values) -> list[Diagnostic]:
+    """A fault for each loop whose moduli multiply to 1 at these values of parameters."""
     return [
         _diagnostic(
             graph,
@@ -169,9 +167,8 @@ def redundant_loops(graph: BondGraph) -> list[Diagnostic]:
     ]
 
 
-def locked_loops(graph: BondGraph) -> tuple[Diagnostic, ...]:
+def locked_loops(graph: BondGraph, loops: Iterable[TransformerLoop], values: Values) -> tuple[Diagnostic, ...]:
     """A warning for each loop whose moduli multiply to another number than 1: all that it joins is held at zero."""
-    loops, values = _loops(graph)
     return tuple(
         _diagnostic(
             graph,
@@ -185,12 +182,6 @@ def locked_loops(graph: BondGraph) -> tuple[Diagnostic, ...]:
         for loop in loops
         if not _is_one(_value(loop, values))
     )
-
-
-def _loops(graph: BondGraph) -> tuple[tuple[TransformerLoop, ...], Values]:
-    """The loops, and what their moduli are made of."""
-    loops = transformer_loops(graph.normal)
-    return loops, parameter_values(graph.parameters) if loops else {}
 
 
 def _diagnostic(

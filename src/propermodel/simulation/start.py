@@ -10,6 +10,7 @@ import numpy as np
 
 from propermodel.bondgraph.parameters import faults_of_range, in_unit
 from propermodel.bondgraph.parameters import parameter_values as find_values
+from propermodel.causality.transformer_loops import redundant_loops
 from propermodel.codegen.machine import FloatArray, Memory, start_memory
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
@@ -103,6 +104,7 @@ def start_of(compiled: CompiledModel, scenario: Scenario, store: TableStore | No
     faults = Faults(SimulationError)
     flat = compiled.graph.parameters
     parameters = _parameter_values(compiled, scenario.parameters, faults)
+    faults.found.extend(redundant_loops(compiled.graph, compiled.transformer_loops, parameters))
     faults.found.extend(faults_of_scenario(scenario, store))
     faults.found.extend(
         faults_of_values("parameter", ((p.path, parameters[p.symbol], p.source) for p in flat.values()))
