@@ -21,7 +21,10 @@ def position_error(method: Method, step: float, backend: Backend = Backend.NATIV
     return abs(float(memory.state[0]) - (0.3 * math.cos(omega) + 0.5 / omega * math.sin(omega)))
 
 
-@pytest.mark.parametrize(("method", "order"), [(Method.EULER, 1), (Method.SEMI_IMPLICIT, 1), (Method.RK4, 4)])
+ORDERS = [(Method.EULER, 1), (Method.SEMI_IMPLICIT, 1), (Method.RK4, 4), (Method.ROS2, 2)]
+
+
+@pytest.mark.parametrize(("method", "order"), ORDERS)
 def test_the_error_falls_with_the_order_of_the_method(method: Method, order: int) -> None:
     coarse, fine = position_error(method, 2e-3), position_error(method, 1e-3)
     assert math.log2(coarse / fine) == pytest.approx(order, abs=0.15)
@@ -42,7 +45,7 @@ def test_semi_implicit_euler_keeps_the_energy_bounded_and_euler_does_not() -> No
 
 @pytest.mark.parametrize("backend", Backend)
 def test_integrals_of_power_are_those_of_the_quadrature(backend: Backend) -> None:
-    # A clock as state: the power t has the integral t**2 / 2, which RK4 finds and Euler misses by t h / 2.
+    # A clock as state: the power t has the integral t**2 / 2, which RK4 and ROS2 find and Euler misses by t h / 2.
     draft = Draft()
     clock = draft.state("clock", -1.0)
     draft.rate(clock, 1.0 + 0.0 * clock)
@@ -55,6 +58,7 @@ def test_integrals_of_power_are_those_of_the_quadrature(backend: Backend) -> Non
     assert found[Method.EULER] == (-0.25, 1.0)
     assert found[Method.SEMI_IMPLICIT] == (-0.25, 1.0)
     assert found[Method.RK4] == pytest.approx((0.0, 1.0), abs=1e-14)
+    assert found[Method.ROS2] == pytest.approx((0.0, 1.0), abs=1e-14)
 
 
 def test_a_derivative_that_is_a_state_is_read_before_the_step() -> None:

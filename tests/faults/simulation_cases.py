@@ -12,6 +12,7 @@ from propermodel import (
     ConstantEffort,
     Cut,
     Domain,
+    Expr,
     Inertia,
     Input,
     MultiportResistance,
@@ -27,20 +28,23 @@ from propermodel import (
     Translation,
     ZeroEffort,
     ZeroFlow,
+    chain,
     compile_model,
     connect,
     elaborate,
+    free,
     parameter,
     plan_reduction,
     prescribed_flow,
     rank_activity,
+    repeat,
     run_study,
     simulate,
 )
 from propermodel.library.electrical import CoupledInductors, Ground, Resistor
 from propermodel.modelling.model import Variable
 from tests.faults.case import Case
-from tests.parts import Mass, SpringDamper
+from tests.parts import Fixed, Mass, SpringDamper
 
 
 class Quarter(Component):
@@ -87,6 +91,41 @@ def not_recorded() -> object:
 def continued_elsewhere() -> object:
     other = compile_model(elaborate(Quarter()))
     return simulate(other, changed(STEP, stop=1.0), step=1e-3, continued_from=run())
+
+
+class Drag(Resistance):
+    """Turbulent drag: the force grows with the square of the speed."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    port = Port(Translation, between=(a, b))
+    linear: Parameter = parameter("N.s/m", default=1.0)
+    square: Parameter = parameter("N.s2/m2", default=1.0)
+
+    def effort(self, flow: Expr) -> Expr:
+        return flow * (self.linear + self.square * abs(flow))
+
+
+class Rung(Component):
+    """Drag to the next rung and to the ground."""
+
+    a = Port(Translation)
+    b = Port(Translation)
+    along, across, ground = Drag(), Drag(), Fixed()
+    connections = (connect(a, along.a), connect(b, along.b, across.a), connect(across.b, ground.flange))
+
+
+class Ladder(Component):
+    """Dampers without a mass between them."""
+
+    end = Port(Translation)
+    mass = Mass(mass=1.0)
+    rungs = repeat(25, Rung())
+    connections = (connect(mass.flange, rungs[0].a), *chain(rungs, "b", "a"), connect(rungs[24].b, end), free(end))
+
+
+def large_block() -> object:
+    return simulate(compile_model(elaborate(Ladder())), Scenario(stop=0.1), method=pm.Method.ROS2)
 
 
 class Squared(SignalBlock):
@@ -267,6 +306,12 @@ CASES = (
         run=lambda: simulate(quarter(), STEP, step=0.0),
         names=("0.0 s",),
         cure="step well below",
+    ),
+    Case(
+        code="simulation/large-block",
+        run=large_block,
+        names=("25 unknowns", "rungs[1].along", "24"),
+        cure="use rk4",
     ),
     Case(
         code="simulation/until",

@@ -20,7 +20,7 @@ from tests.parts import Line, Tank
 from tests.physics.systems import CubicDamper, Drive, Push, Shaking, Wall, close, compiled, run, system
 from tests.physics.test_against_scipy import HardeningSpring
 
-ORDER = {Method.EULER: 1, Method.SEMI_IMPLICIT: 1, Method.RK4: 4}
+ORDER = {Method.EULER: 1, Method.SEMI_IMPLICIT: 1, Method.RK4: 4, Method.ROS2: 2}
 METHODS = list(ORDER)
 
 

@@ -55,18 +55,24 @@ def compiled(component: Component, backend: Backend = Backend.NATIVE) -> Compile
 
 
 def run(
-    model: CompiledModel, stop: float, *, step: float = 1e-2, initial: Mapping[str, float] | None = None
+    model: CompiledModel,
+    stop: float,
+    *,
+    step: float = 1e-2,
+    initial: Mapping[str, float] | None = None,
+    method: Method = Method.RK4,
 ) -> Trajectory:
     start = {parse_path(name): value for name, value in (initial or {}).items()}
-    return simulate(model, Scenario(stop=stop, initial=start), method=Method.RK4, step=step, record_every=0.05)
+    return simulate(model, Scenario(stop=stop, initial=start), method=method, step=step, record_every=0.05)
 
 
 # -- a ball ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("method", [Method.RK4, Method.ROS2])
 @BACKENDS
-def test_a_ball_bounces_at_the_instants_and_with_the_speeds_of_its_closed_form(backend: Backend):
-    answer = run(compiled(BouncingBall(), backend), 3.5)
+def test_a_ball_bounces_at_the_instants_and_with_the_speeds_of_its_closed_form(backend: Backend, method: Method):
+    answer = run(compiled(BouncingBall(), backend), 3.5, method=method)
     assert answer.ending.is_complete
     assert len(answer.events) == 9
     at, speed = FIRST_HIT, GRAVITY * FIRST_HIT
@@ -305,6 +311,21 @@ class Coasting(Component):
     wall = Fixed()
 
     connections = (connect(mass.flange, damper.a), connect(damper.b, wall.flange))
+
+
+@BACKENDS
+def test_integrals_of_an_implicit_method_end_at_the_instant_of_an_event(backend: Backend):
+    class Slowing(Component):
+        mass, damper, wall = Mass(mass=2.0), Damper(damping=3.0), Fixed()
+        connections = (connect(mass.flange, damper.a), connect(damper.b, wall.flange))
+
+    model = compiled(Slowing(), backend)
+    scenario = Scenario(stop=9.0, initial={parse_path("mass.flange.flow"): 2.0})
+    until = Slowing().mass.flange.flow < quantity(0.5, "m/s")
+    answer = simulate(model, scenario, method=Method.ROS2, step=0.01, jacobian_every=5, record_every=9.0, until=until)
+    assert answer.ending.time == pytest.approx(2.0 / 3.0 * math.log(4.0), rel=1e-5)
+    # Half a step more or less of the power at the end, 0.75 W, would be 4 mJ.
+    assert answer.work(parse_path("damper.port")) == pytest.approx(4.0 - 0.25, abs=5e-4)
 
 
 @BACKENDS

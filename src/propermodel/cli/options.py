@@ -23,6 +23,7 @@ class MethodName(StrEnum):
     EULER = "euler"
     SEMI_IMPLICIT = "semi-implicit-euler"
     RK4 = "rk4"
+    ROS2 = "ros2"
 
 
 ModelText = Annotated[

@@ -24,23 +24,30 @@ class Arithmetic(Protocol[T]):
 
 
 def solve_dense(matrix: list[list[T]], right: list[T], arithmetic: Arithmetic[T]) -> list[T]:
-    """The solution by elimination with partial pivoting; a singular matrix gives numbers that are not finite.
+    """The solution for one right-hand side; see `solve_columns`."""
+    return [row[0] for row in solve_columns(matrix, [[item] for item in right], arithmetic)]
 
-    Lanes pivot on their own, so rows are exchanged by choice rather than by index.
+
+def solve_columns(matrix: list[list[T]], right: list[list[T]], arithmetic: Arithmetic[T]) -> list[list[T]]:
+    """The solutions for several right-hand sides, the columns of `right`, by elimination with partial pivoting.
+
+    A singular matrix gives numbers that are not finite. Lanes pivot on their own, so rows are exchanged by choice
+    rather than by index.
     """
     size = len(right)
-    rows = [[*row, right[i]] for i, row in enumerate(matrix)]
+    rows = [[*row, *right[i]] for i, row in enumerate(matrix)]
     for k in range(size):
         for i in range(k + 1, size):
             rows[k][k:], rows[i][k:] = arithmetic.swapped_if_larger(rows[k][k:], rows[i][k:])
         for i in range(k + 1, size):
             factor = arithmetic.divide(rows[i][k], rows[k][k])
-            for j in range(k + 1, size + 1):
+            for j in range(k + 1, len(rows[i])):
                 rows[i][j] = arithmetic.subtract_product(rows[i][j], factor, rows[k][j])
-    solution: dict[int, T] = {}
+    solution: list[list[T]] = [[] for _ in range(size)]
     for k in reversed(range(size)):
-        rest = rows[k][size]
-        for j in range(k + 1, size):
-            rest = arithmetic.subtract_product(rest, rows[k][j], solution[j])
-        solution[k] = arithmetic.divide(rest, rows[k][k])
-    return [solution[k] for k in range(size)]
+        for column, entry in enumerate(rows[k][size:]):
+            rest = entry
+            for j in range(k + 1, size):
+                rest = arithmetic.subtract_product(rest, rows[k][j], solution[j][column])
+            solution[k].append(arithmetic.divide(rest, rows[k][k]))
+    return solution

@@ -27,13 +27,14 @@ from propermodel.codegen.machine import (
     count_from,
     has_risen,
     instant,
-    not_converged,
+    not_solved,
     sample_periods,
     state_failures,
 )
 from propermodel.codegen.numeric import Number, choose, interpolate, newton, operation_of
-from propermodel.codegen.program import Array, Extrapolation, Function, Program, Solve
+from propermodel.codegen.program import Array, Extrapolation, Function, ImplicitStep, Program, Solve
 from propermodel.codegen.reciprocals import with_reciprocals
+from propermodel.codegen.rosenbrock import with_step_of
 from propermodel.codegen.schedule import (
     Call,
     Compute,
@@ -70,13 +71,28 @@ class _Run:
             Array.SIGNAL: zeros(Array.SIGNAL),
             Array.GUARD: zeros(Array.GUARD),
             Array.JUMP: zeros(Array.JUMP),
+            Array.STEP: zeros(Array.STEP),
+            Array.FACTOR: zeros(Array.FACTOR),
+            Array.STAGE: zeros(Array.STAGE),
+            Array.WEAK: zeros(Array.WEAK),
         }
+        self.pending = 0.0  # the length of an implicit step whose end is not yet in the integrals
 
     def fail(self, lanes: Sequence[int], number: int) -> None:
         """Record that an implicit block has no solution in some lanes."""
         for lane in lanes:
             self.failures.append(Failure(lane, Status.NOT_CONVERGED, self.time, number))
             self.memory.alive[lane] = False
+
+    def fail_weak(self, start: IntArray) -> None:
+        """Record that an implicit step has singular equations in some lanes, and give these their state back."""
+        weak = self.arrays[Array.WEAK].reshape(-1)
+        for lane in np.flatnonzero(self.memory.alive & (weak != 0.0)):
+            self.failures.append(Failure(int(lane), Status.SINGULAR_STEP, self.time, int(weak[lane]) - 1))
+            self.memory.alive[lane] = False
+            self.memory.state.reshape(-1, self.lanes)[:, lane] = self.arrays[Array.STAGE].reshape(-1, self.lanes)[
+                start, lane
+            ]
 
 
 class _AllFailed(Exception):
@@ -179,12 +195,23 @@ class _Code:
             run.fail([int(lane) for lane in np.flatnonzero(failed)], call.number)
 
 
+class _ImplicitCode:
+    """The functions of an implicit step."""
+
+    def __init__(self, program: Program, step: ImplicitStep, numbers: dict[Solve, int]) -> None:
+        self.first = _Code(program, step.first, numbers)
+        self.first_again = _Code(program, step.first_again, numbers)
+        self.later = [_Code(program, function, numbers) for function in step.later]
+        self.shares = step.shares
+        self.start: IntArray = np.array([slot.index for slot in step.start], dtype=np.int64)
+
+
 class InterpretedMachine:
     """Runs a program with NumPy."""
 
     def __init__(self, program: Program, method: Method, lanes: int = 1) -> None:
         self._program = program
-        program = with_reciprocals(program)
+        self._whole = program = with_reciprocals(with_step_of(program, method))
         numbers = number_solves(program)
         self._method = method
         self._lanes = lanes
@@ -195,6 +222,9 @@ class InterpretedMachine:
         self._corrections = [_Code(program, function, numbers) for function in program.corrections]
         self._guards = None if program.guards is None else _Code(program, program.guards, numbers)
         self._jumps = None if program.jumps is None else _Code(program, program.jumps, numbers)
+        self._implicit = (
+            None if program.implicit_step is None else _ImplicitCode(program, program.implicit_step, numbers)
+        )
         self._momenta: IntArray = np.array(program.layout.momenta, dtype=np.int64)
         count = program.layout.lengths.get(Array.STATE, 0)
         self._others: IntArray = np.setdiff1d(np.arange(count), self._momenta)
@@ -213,6 +243,10 @@ class InterpretedMachine:
     def lanes(self) -> int:
         """How many runs it does side by side."""
         return self._lanes
+
+    def begun(self, memory: Memory) -> _Run:
+        """What functions read and write in a call that works on this memory."""
+        return _Run(self._whole, self._lanes, memory)
 
     def run(self, memory: Memory, request: Request) -> Outcome:
         """Continue the run in `memory` as requested."""
@@ -250,12 +284,13 @@ class InterpretedMachine:
             raise ValueError("only a program with events is advanced by single steps")
         check_memory(self._program, self._lanes, memory)
         memory.alive[:] = True
-        run = _Run(self._program, self._lanes, memory)
+        run = self.begun(memory)
         try:
             with np.errstate(all="ignore"):
                 self.step(run, memory.time, step)
+                self.close(run, memory.time + step)
         except _AllFailed:
-            raise not_converged(self._program, run.failures[0]) from None
+            raise not_solved(self._program, run.failures[0]) from None
         memory.time += step
 
     def meets_event(self, run: _Run, time: float) -> bool:
@@ -270,14 +305,14 @@ class InterpretedMachine:
 
     def _evaluated(self, memory: Memory, codes: Sequence[_Code]) -> _Run:
         check_memory(self._program, self._lanes, memory)
-        run = _Run(self._program, self._lanes, memory)
+        run = self.begun(memory)
         if self._lanes == 1:
             memory.alive[:] = True
         with np.errstate(all="ignore"):
             for code in codes:
                 code(run)
         if run.failures:
-            raise not_converged(self._program, run.failures[0])
+            raise not_solved(self._program, run.failures[0])
         return run
 
     def evaluate(self, run: _Run, code: _Code, time: float) -> None:
@@ -302,8 +337,36 @@ class InterpretedMachine:
         run.memory.unknown[...] = kept
         return run.arrays[Array.SIGNAL]
 
-    def step(self, run: _Run, time: float, h: float) -> None:
-        """Advance the states and the integrals by one step."""
+    def step(self, run: _Run, time: float, h: float, is_fresh: bool = True) -> None:
+        """Advance the states and the integrals by one step; if not fresh, an implicit one with the Jacobian it has."""
+        if self._implicit is None:
+            self._explicit_step(run, time, h)
+        else:
+            self._implicit_step(run, time, h, self._implicit, is_fresh)
+        for correction in self._corrections:
+            self.evaluate(run, correction, time + h)
+
+    def _implicit_step(self, run: _Run, time: float, h: float, code: _ImplicitCode, is_fresh: bool) -> None:
+        run.arrays[Array.STEP][:] = h
+        self.evaluate(run, code.first if is_fresh else code.first_again, time)
+        if is_fresh:
+            run.fail_weak(code.start)
+            if not run.memory.alive.any():
+                raise _AllFailed
+        self._add_powers(run, (run.pending + h) * QUADRATURE[self._method][0])
+        run.pending = h
+        for stage, share in zip(code.later, code.shares, strict=True):
+            self.evaluate(run, stage, time + h * share)
+
+    def close(self, run: _Run, time: float) -> None:
+        """Complete the integrals at the end of the last step before an instant."""
+        if self._implicit is None:
+            return
+        self.evaluate(run, self._rates, time)
+        self._add_powers(run, run.pending * QUADRATURE[self._method][-1])
+        run.pending = 0.0
+
+    def _explicit_step(self, run: _Run, time: float, h: float) -> None:
         state, rate = run.arrays[Array.STATE], run.arrays[Array.RATE]
         self.evaluate(run, self._rates, time)
         self._integrate(run, h, 0)
@@ -322,11 +385,14 @@ class InterpretedMachine:
                     self._integrate(run, h, stage)
                     total += rate * (2.0 if stage < 3 else 1.0)
                 state[...] = start + total * (h * (1.0 / 6.0))
-        for correction in self._corrections:
-            self.evaluate(run, correction, time + h)
+            case Method.ROS2:
+                raise AssertionError("an implicit method has its own step")
 
     def _integrate(self, run: _Run, h: float, stage: int) -> None:
-        part = run.arrays[Array.POWER] * (h * QUADRATURE[self._method][stage])
+        self._add_powers(run, h * QUADRATURE[self._method][stage])
+
+    def _add_powers(self, run: _Run, span: float) -> None:
+        part = run.arrays[Array.POWER] * span
         run.memory.integral += part
         run.memory.activity += abs(part)
 
@@ -339,7 +405,7 @@ class _Loop:
         self._memory = memory
         self._request = request
         self._periods = sample_periods(machine.program, memory)
-        self._run = _Run(machine.program, machine.lanes, memory)
+        self._run = machine.begun(memory)
         self._row_times: list[float] = []
         self._rows: list[FloatArray] = []
         self._integral_times: list[float] = []
@@ -418,7 +484,8 @@ class _Loop:
         for i in range(count):
             memory.time = start + i * h
             before = None if self._machine.program.guards is None else memory.copy()
-            self._machine.step(self._run, memory.time, h)
+            pending = self._run.pending
+            self._machine.step(self._run, memory.time, h, is_fresh=i % request.jacobian_every == 0)
             if before is not None and self._machine.meets_event(self._run, memory.time + h):
                 for kept, values in (
                     (before.state, memory.state),
@@ -427,6 +494,8 @@ class _Loop:
                     (before.activity, memory.activity),
                 ):
                     values[...] = kept
+                self._run.pending = pending
+                self._machine.close(self._run, memory.time)
                 self._event_step = h
                 return False
             memory.steps_taken += 1
@@ -434,6 +503,7 @@ class _Loop:
                 memory.time = start + (i + 1) * h
                 self._check()
         memory.time = end
+        self._machine.close(self._run, end)
         return True
 
     def _check(self) -> None:

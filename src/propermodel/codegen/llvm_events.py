@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from propermodel.codegen.llvm_implicit import PENDING, close_before_event_lines
 from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Frame, Module, literal
 from propermodel.codegen.program import Array, Program
 
 # What a step changes, and where it is kept until the guards have been compared.
 _KEPT = {Array.STATE: "before.state", Array.UNKNOWN: "before.unknown", "integral": "before.integral"}
-_KEPT["activity"] = "before.activity"
+_KEPT |= {"activity": "before.activity", PENDING: "before.pending"}
 
 
 def reserve_events(frame: Frame, program: Program, state_rows: int) -> None:
@@ -27,7 +28,8 @@ def _kept_rows(program: Program, state_rows: int) -> dict[str, int]:
     lengths = program.layout.lengths
     powers = lengths.get(Array.POWER, 0)
     unknowns = lengths.get(Array.UNKNOWN, 0)
-    return {Array.STATE: state_rows, Array.UNKNOWN: unknowns, "integral": powers, "activity": powers}
+    rows = {Array.STATE: state_rows, Array.UNKNOWN: unknowns, "integral": powers, "activity": powers}
+    return rows if program.implicit_step is None else {**rows, PENDING: 1}
 
 
 def write_events(module: Module, program: Program, state_rows: int) -> None:
@@ -36,7 +38,8 @@ def write_events(module: Module, program: Program, state_rows: int) -> None:
     rows = _kept_rows(program, state_rows)
     for name, is_back in (("keep", False), ("take.back", True)):
         lines: list[str] = []
-        for k, (region, copy) in enumerate(_KEPT.items()):
+        for k, region in enumerate(rows):
+            copy = _KEPT[region]
             target, source = (region, copy) if is_back else (copy, region)
             size = frame.offset(rows[region])
             lines += [
@@ -51,7 +54,9 @@ def write_events(module: Module, program: Program, state_rows: int) -> None:
         ("evaluate.jumps", f"  call void @jumps({PASSED})"),
     ):
         module.functions.append(_entry(name, ARGUMENTS, body))
-    step = "  %well = call i1 @step(ptr %w, ptr %tables, double %t, double %h)"
+    step = "  %well = call i1 @step(ptr %w, ptr %tables, double %t, double %h, i1 true)"
+    if program.implicit_step is not None:
+        step += "\n  %t.end = fadd double %t, %h\n  %is.closed = call i1 @close(ptr %w, ptr %tables, double %t.end)"
     module.functions.append(_entry("advance", f"{ARGUMENTS}, double %h", step))
 
 
@@ -117,11 +122,12 @@ def compare_lines() -> list[str]:
     ]
 
 
-def event_lines(frame: Frame, code: int) -> list[str]:
+def event_lines(program: Program, frame: Frame, code: int) -> list[str]:
     """The end of the loop at an event: the state before the step, its time and its length."""
     return [
         "event:",
         "  call void @take.back(ptr %w)",
+        *(close_before_event_lines() if program.implicit_step is not None else ()),
         f"  %event.step = getelementptr inbounds i8, ptr %w, i64 {frame.offset(frame.regions['event.step'])}",
         "  store double %h, ptr %event.step, align 8",
         "  %e.steps = add i64 %steps.before, %i",

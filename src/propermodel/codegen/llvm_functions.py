@@ -74,6 +74,9 @@ class Writer:
             self._write_function("guards", program.guards, rows)
         if program.jumps is not None:
             self._write_function("jumps", program.jumps, rows, is_rare=True)
+        if program.implicit_step is not None:
+            for function in program.implicit_step.functions:
+                self._write_function(function.name, function, rows)
         for k, function in enumerate(program.samples):
             self._write_function(f"sample.{k}", function, self.kept[Level.RUN])
         for k, function in enumerate(program.corrections):

@@ -6,6 +6,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 from propermodel.codegen.llvm_events import compare_lines, event_lines, keep_lines
+from propermodel.codegen.llvm_implicit import close_failed_lines, close_lines
 from propermodel.codegen.llvm_step import has_solve
 from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Frame, Module, literal
 from propermodel.codegen.machine import SAME_INSTANT, STEPS_BETWEEN_CHECKS
@@ -35,7 +36,8 @@ class Word(IntEnum):
     ROWS_TAKEN = 17
     INTEGRAL_ROWS_TAKEN = 18
     STEPS_TAKEN = 19
-    FIRST_RATE = 20
+    JACOBIAN_EVERY = 20
+    FIRST_RATE = 21
 
 
 class Code(IntEnum):
@@ -99,6 +101,7 @@ def write_run(module: Module, program: Program) -> None:
         ("row.period", Word.ROW_PERIOD, "double"),
         ("integral.period", Word.INTEGRAL_PERIOD, "double"),
         ("most.rows", Word.MOST_ROWS, "i64"),
+        ("jacobian.every", Word.JACOBIAN_EVERY, "i64"),
         ("selected", Word.SELECTED, "ptr"),
         ("selected.count", Word.SELECTED_COUNT, "i64"),
         ("rows", Word.ROWS, "ptr"),
@@ -259,7 +262,9 @@ def write_run(module: Module, program: Program) -> None:
         "  %i.away = fmul double %i.number, %h",
         "  %ti = fadd double %t, %i.away",
         *(keep_lines() if program.guards is not None else ()),
-        "  %is.well = call i1 @step(ptr %w, ptr %tables, double %ti, double %h)",
+        "  %i.served = urem i64 %i, %jacobian.every",
+        "  %is.fresh = icmp eq i64 %i.served, 0",
+        "  %is.well = call i1 @step(ptr %w, ptr %tables, double %ti, double %h, i1 %is.fresh)",
         "  br i1 %is.well, label %stepped, label %step.failed",
         "stepped:",
         *(compare_lines() if program.guards is not None else ()),
@@ -275,6 +280,7 @@ def write_run(module: Module, program: Program) -> None:
         "  %i.more = icmp slt i64 %i.next, %n",
         "  br i1 %i.more, label %steps, label %tick.end",
         "tick.end:",
+        *(close_lines(soonest) if program.implicit_step is not None else ()),
         "  %steps.after = add i64 %steps.before, %n",
         "  store i64 %steps.after, ptr %steps.taken.at, align 8",
         f"  store double {soonest}, ptr %time.at, align 8",
@@ -289,12 +295,13 @@ def write_run(module: Module, program: Program) -> None:
         "  %g.time = fadd double %t, %g.away",
         "  store double %g.time, ptr %time.at, align 8",
         "  br label %state.failed",
+        *(close_failed_lines(soonest) if program.implicit_step is not None else ()),
         "step.failed:",
         "  %f.steps = add i64 %steps.before, %i",
         "  store i64 %f.steps, ptr %steps.taken.at, align 8",
         "  store double %ti, ptr %time.at, align 8",
         "  br label %all.failed",
-        *(event_lines(frame, int(Code.EVENT)) if program.guards is not None else ()),
+        *(event_lines(program, frame, int(Code.EVENT)) if program.guards is not None else ()),
         "finished:",
         f"  ret i32 {int(Code.FINISHED)}",
         "paused:",

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from propermodel.codegen.llvm_text import ARGUMENTS, WIDE, Frame, Module, literal
+from propermodel.codegen.llvm_implicit import pending_lines, write_weak_check
+from propermodel.codegen.llvm_text import ARGUMENTS, WIDE, Frame, Module, Text, literal
 from propermodel.codegen.machine import QUADRATURE, Method
 from propermodel.codegen.program import Array, Function, Program, Solve
 
@@ -92,25 +93,32 @@ class StepWriter:
                 self._semi_implicit()
             case Method.RK4:
                 self._rk4()
+            case Method.ROS2:
+                self._implicit()
         if self.program.corrections:
             self._correct()
         body = "\n".join(self.loops.lines)
-        self.module.functions.append(
-            f"define internal i1 @step({ARGUMENTS}, double %h) alwaysinline {{\nentry:\n{body}\n  ret i1 true\n"
-            f"dead:\n  ret i1 false\n}}"
-            if "%dead" in body
-            else f"define internal i1 @step({ARGUMENTS}, double %h) alwaysinline {{\nentry:\n{body}\n  ret i1 true\n}}"
-        )
+        head = f"define internal i1 @step({ARGUMENTS}, double %h, i1 %is.fresh) alwaysinline {{"
+        self._define(head, body)
+        if self.program.implicit_step is not None:
+            self._write_close()
+
+    def _define(self, head: str, body: str) -> None:
+        dead = ["dead:", "  ret i1 false"] if "%dead" in body else []
+        self.module.functions.append("\n".join([head, "entry:", body, "  ret i1 true", *dead, "}"]))
 
     def _evaluate(self, function: Function, name: str, time: str) -> None:
         self.loops.lines.append(f"  call void @{name}(ptr %w, ptr %tables, double {time})")
         if has_solve(function):
-            self._count += 1
-            self.loops.lines += [
-                f"  %alive{self._count} = call i1 @is.alive(ptr %w)",
-                f"  br i1 %alive{self._count}, label %go{self._count}, label %dead",
-                f"go{self._count}:",
-            ]
+            self._go_on_if_alive()
+
+    def _go_on_if_alive(self) -> None:
+        self._count += 1
+        self.loops.lines += [
+            f"  %alive{self._count} = call i1 @is.alive(ptr %w)",
+            f"  br i1 %alive{self._count}, label %go{self._count}, label %dead",
+            f"go{self._count}:",
+        ]
 
     def _advance(self, target: str, start: str, rate: str, factor: str, first: int, rows: int) -> None:
         """Set target = start + factor * rate over some rows of the state regions."""
@@ -133,6 +141,10 @@ class StepWriter:
         """Add this evaluation's share to the integrals of POWER and of its absolute value."""
         share = QUADRATURE[self.method][stage]
         self.loops.lines.append(f"  %share{stage} = fmul double %h, {literal(share)}")
+        self._add_powers(f"%share{stage}")
+
+    def _add_powers(self, span: str) -> None:
+        """Add POWER over a span of time to the integrals."""
         regions = self.frame.regions
         self.module.declare(f"llvm.fabs.v{WIDE}f64", f"declare {_V} @llvm.fabs.v{WIDE}f64({_V})")
 
@@ -142,7 +154,7 @@ class StepWriter:
                 f"  {n}.p = load {_V}, ptr {p}, align 64",
                 f"  {n}.i0 = load {_V}, ptr {total}, align 64",
                 f"  {n}.a0 = load {_V}, ptr {size}, align 64",
-                *_spread(f"{n}.h", f"%share{stage}"),
+                *_spread(f"{n}.h", span),
                 f"  {n}.d = fmul {_V} {n}.p, {n}.h",
                 f"  {n}.i1 = fadd {_V} {n}.i0, {n}.d",
                 f"  {n}.s = call {_V} @llvm.fabs.v{WIDE}f64({_V} {n}.d)",
@@ -193,6 +205,39 @@ class StepWriter:
             if factor:
                 self._advance(Array.STATE, "start", Array.RATE, factor, 0, rows)
         self._advance(Array.STATE, "start", "sum", "%sixth", 0, rows)
+
+    def _implicit(self) -> None:
+        step = self.program.implicit_step
+        assert step is not None
+        write_weak_check(self.module, step)
+        self._set_step()
+        lines = self.loops.lines
+        lines += ["  br i1 %is.fresh, label %renew, label %again", "renew:"]
+        self._evaluate(step.first, step.first.name, "%t")
+        lines.append("  call void @check.weak(ptr %w, ptr %tables, double %t)")
+        self._go_on_if_alive()
+        lines += ["  br label %first", "again:"]
+        self._evaluate(step.first_again, step.first_again.name, "%t")
+        lines += ["  br label %first", "first:"]
+        lines += pending_lines(self.frame, QUADRATURE[self.method][0], "%h", "%h")
+        self._add_powers("%open")
+        for k, (function, share) in enumerate(zip(step.later, step.shares, strict=True)):
+            lines += [f"  %away{k} = fmul double %h, {literal(share)}", f"  %t.stage{k} = fadd double %t, %away{k}"]
+            self._evaluate(function, function.name, f"%t.stage{k}")
+
+    def _set_step(self) -> None:
+        """Let the functions of an implicit step know its length."""
+        text = Text(self.module)
+        text.store_row(self.frame.row(Array.STEP, 0), text.spread("%h"))
+        self.loops.lines += text.lines
+
+    def _write_close(self) -> None:
+        """Write `close`, which completes the integrals at the end of the last step before an instant."""
+        self.loops = _Loops(self.frame)
+        self._evaluate(self.program.rates, "rates", "%t")
+        self.loops.lines += pending_lines(self.frame, QUADRATURE[self.method][-1], literal(0.0), literal(0.0))
+        self._add_powers("%open")
+        self._define(f"define internal i1 @close({ARGUMENTS}) {{", "\n".join(self.loops.lines))
 
     def _copy(self, target: str, source: str) -> None:
         size = self.frame.offset(self.state_rows)

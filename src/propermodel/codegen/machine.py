@@ -20,7 +20,7 @@ from typing import Any, Protocol, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propermodel.codegen.program import Array, Program
+from propermodel.codegen.program import Array, Program, Slot
 from propermodel.codegen.schedule import number_solves
 from propermodel.diagnostics import ProperModelError, SimulationError
 
@@ -40,13 +40,16 @@ class Method(StrEnum):
     EULER = "euler"
     SEMI_IMPLICIT = "semi-implicit-euler"  # momenta first, displacements with the new momenta at the new time
     RK4 = "rk4"
+    ROS2 = "ros2"  # linearly implicit, L-stable
 
 
-# The seam for quadratures: the share of the step that each evaluation of POWER stands for.
+# The seam for quadratures: the share of the step that each evaluation of POWER stands for. Those of an implicit step
+# are at its beginning and at its end, where one serves the next step, too.
 QUADRATURE: Mapping[Method, tuple[float, ...]] = {
     Method.EULER: (1.0,),
     Method.SEMI_IMPLICIT: (1.0,),
     Method.RK4: (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0),
+    Method.ROS2: (0.5, 0.5),
 }
 
 
@@ -58,6 +61,7 @@ class Status(StrEnum):
     NOT_FINITE = "not-finite"
     OUT_OF_RANGE = "out-of-range"
     NOT_CONVERGED = "not-converged"
+    SINGULAR_STEP = "singular-step"  # the equations of an implicit step have no solution
     EVENT = "event"  # the next step, of the length that is told, would make a guard positive; it has not been taken
 
 
@@ -170,6 +174,7 @@ class Request:
     selected: IntArray = field(default_factory=_no_selection)  # indices of SIGNAL to record
     most_rows: int = 4096  # room for rows of each kind; when it is used up, the run pauses
     most_ticks: int = 1_000_000
+    jacobian_every: int = 1  # steps that an implicit method takes with one Jacobian, within a tick
 
 
 @dataclass(frozen=True)
@@ -316,6 +321,8 @@ def check_request(program: Program, memory: Memory, request: Request) -> None:
         raise ValueError("the periods of rows must be positive; infinity records the origin only")
     if request.most_rows < 1 or request.most_ticks < 1:
         raise ValueError("most_rows and most_ticks must be at least 1")
+    if request.jacobian_every < 1:
+        raise ValueError(f"a Jacobian serves at least 1 step, not {request.jacobian_every}")
     count = program.layout.lengths.get(Array.SIGNAL, 0)
     selected = request.selected
     if selected.size and not (int(selected.min()) >= 0 and int(selected.max()) < count):
@@ -358,8 +365,15 @@ def state_failures(memory: Memory) -> list[Failure]:
     return found
 
 
-def not_converged(program: Program, failure: Failure) -> ProperModelError:
-    """The error of an evaluation whose implicit block has no solution."""
+def not_solved(program: Program, failure: Failure) -> ProperModelError:
+    """The error of an evaluation or a single step whose equations have no solution."""
+    if failure.status is Status.SINGULAR_STEP:
+        leaf = next(leaf for leaf, slot in program.layout.slots.items() if slot == Slot(Array.STATE, failure.index))
+        return SimulationError.of(
+            "simulation/step",
+            f"the equations of an implicit step are singular at {failure.time:g} s, first that of {leaf.data.path}",
+            help="try a smaller step, or rk4",
+        )
     solve = list(number_solves(program))[failure.index]
     return SimulationError.of(
         "simulation/not-converged",

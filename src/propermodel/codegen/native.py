@@ -21,7 +21,7 @@ from propermodel.codegen.machine import (
     Status,
     check_memory,
     check_request,
-    not_converged,
+    not_solved,
     sample_periods,
     state_failures,
 )
@@ -151,7 +151,7 @@ class NativeMachine:
         work.write_back()
         failures = work.solve_failures()
         if failures:
-            raise not_converged(self._program, failures[0])
+            raise not_solved(self._program, failures[0])
         memory.time += step
 
     def _work(self, memory: Memory) -> Work:
@@ -166,5 +166,5 @@ class NativeMachine:
         function(work.address, work.tables_address, memory.time)
         failures = [failure for failure in work.solve_failures() if memory.alive[failure.lane]]
         if failures:
-            raise not_converged(self._program, failures[0])
+            raise not_solved(self._program, failures[0])
         return work

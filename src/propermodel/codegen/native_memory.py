@@ -113,14 +113,15 @@ class Work:
         return float(self._block[self._arrangement.regions["event.step"], 0])
 
     def solve_failures(self) -> list[Failure]:
-        """The solves that have failed since the last call, at most one in each lane."""
+        """The solves and implicit steps that have failed since the last call, at most one in each lane."""
         regions = self._arrangement.regions
         numbers = self._block[regions["failed"]]
         times = self._block[regions["failed_time"]]
-        found = [
-            Failure(int(lane), Status.NOT_CONVERGED, float(times[lane]), int(numbers[lane]) - 1)
-            for lane in np.flatnonzero(numbers)
-        ]
+        found: list[Failure] = []
+        for lane in np.flatnonzero(numbers):
+            number = int(numbers[lane])  # of a solve, or less than 0 of a state
+            status = Status.NOT_CONVERGED if number > 0 else Status.SINGULAR_STEP
+            found.append(Failure(int(lane), status, float(times[lane]), abs(number) - 1))
         numbers[:] = 0.0
         return found
 
@@ -179,6 +180,7 @@ class Control:
         numbers[Word.INTEGRAL_PERIOD] = request.integral_period
         words[Word.MOST_ROWS] = most
         words[Word.TICKS_LEFT] = request.most_ticks
+        words[Word.JACOBIAN_EVERY] = request.jacobian_every
         words[Word.SELECTED] = self._selected.ctypes.data
         words[Word.SELECTED_COUNT] = self._selected.size
         words[Word.ROWS] = self._rows.ctypes.data

@@ -11,6 +11,7 @@ import numpy as np
 
 from propermodel.codegen.llvm_events import reserve_events, write_events
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS, Writer
+from propermodel.codegen.llvm_implicit import reserve_implicit
 from propermodel.codegen.llvm_newton import LARGEST_STRAIGHT
 from propermodel.codegen.llvm_run import write_entries, write_run
 from propermodel.codegen.llvm_step import StepWriter, write_common
@@ -19,6 +20,7 @@ from propermodel.codegen.llvm_text import WIDE, Frame, Module, Shape
 from propermodel.codegen.machine import IntArray, Method
 from propermodel.codegen.program import Array, Program, Solve
 from propermodel.codegen.reciprocals import with_reciprocals
+from propermodel.codegen.rosenbrock import with_step_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,7 @@ def print_program(
     program: Program, method: Method, lanes: int = 1, most_instructions: int = MOST_INSTRUCTIONS
 ) -> Source:
     """The LLVM IR of a program; functions are cut into pieces of about `most_instructions`."""
-    program = with_reciprocals(program)
+    program = with_reciprocals(with_step_of(program, method))
     lengths = program.layout.lengths
     shape = Shape(lanes)
     momenta = list(program.layout.momenta)
@@ -103,6 +105,8 @@ def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) ->
     frame.reserve("kept_unknown", program.layout.lengths.get(Array.UNKNOWN, 0))
     frame.reserve("integral", program.layout.lengths.get(Array.POWER, 0))
     frame.reserve("activity", program.layout.lengths.get(Array.POWER, 0))
+    if program.implicit_step is not None:
+        reserve_implicit(frame, program)
     if program.guards is not None:
         reserve_events(frame, program, state_rows)
     frame.reserve("trial", size)

@@ -26,6 +26,10 @@ class Array(StrEnum):
     SIGNAL = "signal"  # what can be recorded
     GUARD = "guard"  # of each event: positive where its condition holds
     JUMP = "jump"  # what events make of states and held values
+    STEP = "step"  # one entry: the length of the step that is being taken, s
+    FACTOR = "factor"  # of the matrix of an implicit step, kept while it serves
+    STAGE = "stage"  # what the stages of an implicit step hand on
+    WEAK = "weak"  # one entry: 1 + the first state whose equation in an implicit step is singular, or 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +111,26 @@ class Layout:
     displacements: tuple[int, ...]  # states advanced second, with the new momenta
 
 
+@dataclass(frozen=True, slots=True)
+class ImplicitStep:
+    """A step with linear equations, as functions that move STATE from stage to stage and at last to its end.
+
+    `first` computes POWER at the beginning, FACTOR, WEAK and the first stage; `first_again` the same with the FACTOR
+    that is there. `later` are the other stages, at times `shares` of the step after its beginning. All read STEP.
+    """
+
+    first: Function
+    first_again: Function
+    later: tuple[Function, ...]
+    shares: tuple[float, ...]
+    start: tuple[Slot, ...]  # where each STATE of the beginning is kept
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        """Every function."""
+        return (self.first, self.first_again, *self.later)
+
+
 @dataclass(frozen=True)
 class Program:
     """Everything a backend needs.
@@ -115,7 +139,7 @@ class Program:
     displacements only; `observe` computes SIGNAL; `samples[k]` computes the DISCRETE entries of sampled controllers
     of rate k, due every `periods[k]` (an index into PARAMETER). `corrections` compute entries of STATE after every
     step, one after the other. A program with events has `guards`, which computes GUARD, and `jumps`, which computes
-    JUMP.
+    JUMP. For an implicit method there is `implicit_step`.
     """
 
     rates: Function
@@ -127,16 +151,20 @@ class Program:
     corrections: tuple[Function, ...] = ()
     guards: Function | None = None
     jumps: Function | None = None
+    implicit_step: ImplicitStep | None = None
 
     @property
     def continuous(self) -> tuple[Function, ...]:
         """The functions that read what is kept between samples: all but the samples."""
-        optional = (self.guards, self.jumps)
-        events = (function for function in optional if function is not None)
-        return (self.rates, self.displacement_rates, self.observe, *self.corrections, *events)
+        return (self.rates, self.displacement_rates, self.observe, *self.corrections, *self._optional)
 
     @property
     def functions(self) -> tuple[Function, ...]:
         """Every function."""
         first = (self.rates, self.displacement_rates, self.observe, *self.samples, *self.corrections)
-        return (*first, *(function for function in (self.guards, self.jumps) if function is not None))
+        return (*first, *self._optional)
+
+    @property
+    def _optional(self) -> tuple[Function, ...]:
+        events = (function for function in (self.guards, self.jumps) if function is not None)
+        return (*events, *(() if self.implicit_step is None else self.implicit_step.functions))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
-from propermodel.codegen.program import Assign, Function, Program, Solve
+from propermodel.codegen.program import Assign, Function, ImplicitStep, Program, Solve
 from propermodel.codegen.schedule import Level, is_leaf, node_levels, nodes_of
 from propermodel.expressions.core import ONE, Expr, Op, constant, intern_node
 
@@ -46,6 +46,11 @@ def with_reciprocals(program: Program) -> Program:
     def of(function: Function) -> Function:
         return replace(function, steps=tuple(replaced(step) for step in function.steps))
 
+    def replaced_step(step: ImplicitStep) -> ImplicitStep:
+        later = tuple(of(function) for function in step.later)
+        return replace(step, first=of(step.first), first_again=of(step.first_again), later=later)
+
+    implicit = program.implicit_step
     return replace(
         program,
         rates=of(program.rates),
@@ -55,6 +60,7 @@ def with_reciprocals(program: Program) -> Program:
         corrections=tuple(of(function) for function in program.corrections),
         guards=None if program.guards is None else of(program.guards),
         jumps=None if program.jumps is None else of(program.jumps),
+        implicit_step=None if implicit is None else replaced_step(implicit),
     )
 
 

@@ -10,7 +10,18 @@ from typing import TypeVar
 from propermodel.codegen.program import Array, Assign, Function, Layout, Program, Slot, Solve
 from propermodel.expressions.core import TIME, Expr, Op, postorder
 
-READABLE = frozenset({Array.TIME, Array.STATE, Array.DISCRETE, Array.PARAMETER, Array.UNKNOWN})
+READABLE = frozenset(
+    {
+        Array.TIME,
+        Array.STATE,
+        Array.DISCRETE,
+        Array.PARAMETER,
+        Array.UNKNOWN,
+        Array.STEP,
+        Array.FACTOR,
+        Array.STAGE,
+    }
+)
 _MOST_MULTIPLIED = 32  # a larger whole exponent is left to the general power
 
 T = TypeVar("T")

@@ -90,6 +90,15 @@ def failed_ending(compiled: CompiledModel, failure: Failure, memory: Memory, bef
                 failure.time,
                 state.path,
             )
+        case Status.SINGULAR_STEP:
+            path = compiled.system.states[failure.index].path
+            return Ending(
+                RunStatus.FAILED,
+                f"stopped at {failure.time:.6g} s: the equations of the implicit step are singular, first that of "
+                f"{path}; try a smaller step, or rk4",
+                failure.time,
+                path,
+            )
         case _:
             block = list(number_solves(compiled.lowered.program))[failure.index]
             names = ", ".join(str(path) for path in dict.fromkeys(block.paths))

@@ -200,6 +200,7 @@ def simulate_many(
     *,
     method: Method = Method.SEMI_IMPLICIT,
     step: float = 2e-4,
+    jacobian_every: int = 1,
     record: Iterable[Expr | Path | str] | None = None,
     record_every: float = NO_ROWS,
     lanes: int | None = None,
@@ -216,6 +217,7 @@ def simulate_many(
         scenarios: One for each design, as from `designs(scenario, {"body.mass": masses})`.
         method: How a step is taken.
         step: Largest step, s.
+        jacobian_every: How many steps of an implicit method may share one Jacobian.
         record: Observables whose values are kept; by default all.
         record_every: Period of recording, s; by default only the values at the end are kept.
         lanes: How many designs run side by side; by default as many as a vector register of this machine holds.
@@ -235,7 +237,7 @@ def simulate_many(
         )
     faults = Faults(SimulationError)
     for scenario in every:
-        faults.found.extend(faults_of_settings(scenario, step, record_every, NO_ROWS))
+        faults.found.extend(faults_of_settings(scenario, step, record_every, NO_ROWS, jacobian_every))
     faults.raise_if_any()
     windows = {(scenario.start, scenario.stop) for scenario in every}
     if len(windows) > 1 and record_every < NO_ROWS:
@@ -250,7 +252,7 @@ def simulate_many(
     # Machines are made before threads ask for them.
     compiled.machine(method, 1 if len(every) == 1 else wide)
     build_s = time.perf_counter() - before
-    job = _Job(compiled, method, step, record_every, selected, wide)
+    job = _Job(compiled, method, step, jacobian_every, record_every, selected, wide)
     before = time.perf_counter()
     answers = _Answers(len(every))
     workers = threads or os.cpu_count() or 1
@@ -283,6 +285,7 @@ class _Job:
     compiled: CompiledModel
     method: Method
     step: float
+    jacobian_every: int
     record_every: float
     selected: IntArray
     lanes: int
@@ -298,6 +301,7 @@ class _Job:
             row_period=self.record_every,
             selected=self.selected,
             most_rows=MOST_ROWS_AT_ONCE,
+            jacobian_every=self.jacobian_every,
         )
         return run_together(self.compiled, machine, [start.memory for start in starts], request)
 
@@ -310,6 +314,7 @@ class _Job:
             scenario,
             method=self.method,
             step=self.step,
+            jacobian_every=self.jacobian_every,
             record=[path for path, observable in known.items() if observable.index in entries],
             record_every=min(self.record_every, scenario.stop - scenario.start),
             integrals_every=scenario.stop - scenario.start,

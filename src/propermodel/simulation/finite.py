@@ -11,7 +11,7 @@ from propermodel.simulation.table_store import TableStore
 
 
 def faults_of_settings(
-    scenario: Scenario, step: float, record_every: float, integrals_every: float
+    scenario: Scenario, step: float, record_every: float, integrals_every: float, jacobian_every: int
 ) -> Iterator[Diagnostic]:
     """A window, step or period that no run can have."""
     if not -math.inf < scenario.start < scenario.stop < math.inf:
@@ -32,6 +32,12 @@ def faults_of_settings(
             "simulation/period",
             f"rows are kept every {record_every:g} s, and integrals every {integrals_every:g} s; both must be positive",
             help="give the period of recording in seconds: simulate(..., record_every=0.1)",
+        )
+    if jacobian_every < 1:
+        yield Diagnostic(
+            "simulation/step",
+            f"{jacobian_every} steps shall share a Jacobian; it serves at least 1",
+            help="give a whole number: simulate(..., method=Method.ROS2, jacobian_every=4)",
         )
 
 

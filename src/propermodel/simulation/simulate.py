@@ -58,6 +58,7 @@ def simulate(
     *,
     method: Method = Method.SEMI_IMPLICIT,
     step: float = 2e-4,
+    jacobian_every: int = 1,
     record: Iterable[Expr | Path | str] | None = None,
     record_every: float = 0.1,
     integrals_every: float = 1.0,
@@ -73,6 +74,8 @@ def simulate(
         scenario: Inputs, initial values, parameter values and window.
         method: How a step is taken.
         step: Largest step, s; it is shortened to meet samples of controllers and recording instants.
+        jacobian_every: How many steps of an implicit method may share one Jacobian. More are faster; the order stays,
+            but stiff parts that change quickly may no longer be damped. After the instants above there is a new one.
         record: Observables to record; by default all.
         record_every: Period of recording, s.
         integrals_every: Period at which the integrals of power are kept, s; they are made at every step.
@@ -91,7 +94,7 @@ def simulate(
         SimulationError: the scenario or an observable does not fit the model.
     """
     faults = Faults(SimulationError)
-    faults.found.extend(faults_of_settings(scenario, step, record_every, integrals_every))
+    faults.found.extend(faults_of_settings(scenario, step, record_every, integrals_every, jacobian_every))
     selected = np.zeros(0, dtype=np.int64)
     with faults.collecting():
         selected = selected_entries(compiled, record)
@@ -124,6 +127,7 @@ def simulate(
         selected=selected,
         most_rows=2000,
         most_ticks=200,
+        jacobian_every=jacobian_every,
     )
     before = time.perf_counter()
     earlier = () if continued_from is None else continued_from.events
