@@ -109,6 +109,7 @@ if TYPE_CHECKING:
     from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
     from propermodel.simulation.simulate import simulate
+    from propermodel.simulation.stability import StepLimit, step_limit
     from propermodel.simulation.storage import load_trajectory, save_trajectory
     from propermodel.simulation.trajectory import Trajectory
 
@@ -140,6 +141,8 @@ _WHEN_USED = {
     "energy_balance": "analysis.balance",
     "explain_causality": "causality.report",
     "find_equilibrium": "simulation.equilibrium",
+    "StepLimit": "simulation.stability",
+    "step_limit": "simulation.stability",
     "linearise": "analysis.linearise",
     "load_trajectory": "simulation.storage",
     "plan_reduction": "reduction.plan",
@@ -261,6 +264,8 @@ __all__ = [
     "Ensemble",
     "save_trajectory",
     "load_trajectory",
+    "step_limit",
+    "StepLimit",
     # equilibria and linear models
     "find_equilibrium",
     "Equilibrium",

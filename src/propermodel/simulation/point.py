@@ -94,6 +94,19 @@ class Point:
         data = np.array([value for row in rows for value in row.values()], dtype=np.float64)
         return csr_array((data, indices, pointer), shape=(len(rows), len(column)))
 
+    def matrix(self, roots: Sequence[Expr], wrt: Sequence[Expr]) -> FloatArray:
+        """The same with its zeros, for small models.
+
+        Raises:
+            SimulationError: the equations of an implicit block are singular here.
+        """
+        found = np.zeros((len(roots), len(wrt)))
+        column = {leaf: index for index, leaf in enumerate(wrt)}
+        for index, row in enumerate(self._rows(roots, wrt)):
+            for leaf, value in row.items():
+                found[index, column[leaf]] = value
+        return found
+
     # -- values --------------------------------------------------------------------------------------------
 
     def _compute(self, roots: Iterable[Expr], known: dict[Expr, Number]) -> None:

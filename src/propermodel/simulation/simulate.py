@@ -20,6 +20,7 @@ from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.events import Events
 from propermodel.simulation.finite import faults_of_settings
 from propermodel.simulation.overflow import Overflow, first_overflow
+from propermodel.simulation.stability import note_on_step
 from propermodel.simulation.start import Start, begin, start_of
 from propermodel.simulation.stopping import add_guard, drop_guard, stopping
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
@@ -112,6 +113,8 @@ def simulate(
     if continued_from is None:
         begun = _begun(compiled, scenario, start)
         memory, notes = begun.memory, begun.notes
+        note = note_on_step(compiled, memory, method, step, scenario.stop - scenario.start)
+        notes = notes if note is None else (*notes, note)
     else:
         memory, notes = _continue(compiled, scenario, continued_from), continued_from.notes
     if until is not None:
