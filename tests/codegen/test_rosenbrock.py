@@ -10,12 +10,13 @@ from scipy.integrate import solve_ivp
 
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.machine import Method, Request, Status
-from propermodel.codegen.rosenbrock import ROS2
+from propermodel.codegen.rosenbrock import ROS2, with_step_of
+from propermodel.codegen.schedule import nodes_of
 from propermodel.codegen.state_jacobian import state_jacobian
 from propermodel.diagnostics import SimulationError
 from propermodel.expressions import cos, sin
 from propermodel.expressions.core import TIME
-from tests.codegen.programs import Draft, implicit, oscillator
+from tests.codegen.programs import Draft, chain, implicit, oscillator
 
 
 def final(
@@ -187,6 +188,16 @@ def test_the_jacobian_passes_implicit_blocks(size: int) -> None:
         return (rates[0] - rates[1]) / (2.0 * (dx + dt))
 
     np.testing.assert_allclose(slopes, [quotient(1e-6, 0.0), quotient(0.0, 1e-6)], rtol=1e-7)
+
+
+def test_the_operations_of_a_step_grow_with_the_size_of_a_model() -> None:
+    def operations(sections: int) -> int:
+        step = with_step_of(chain(sections).program(), Method.ROS2).implicit_step
+        assert step is not None
+        return sum(1 for node in nodes_of(step.functions) if node.args)
+
+    counts = [operations(sections) for sections in (20, 40, 80)]
+    assert counts[2] - counts[1] == pytest.approx(2 * (counts[1] - counts[0]), rel=0.02)
 
 
 def test_a_block_that_is_too_large_is_refused_by_name() -> None:

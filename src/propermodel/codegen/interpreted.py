@@ -6,15 +6,15 @@ A value is a float64, or an array of one per lane; the order of operations is th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from propermodel.codegen.interpreted_code import AllFailed, Code, ImplicitCode, Working
 from propermodel.codegen.machine import (
     QUADRATURE,
     SAME_INSTANT,
     STEPS_BETWEEN_CHECKS,
-    Failure,
     FloatArray,
     IntArray,
     Memory,
@@ -31,179 +31,12 @@ from propermodel.codegen.machine import (
     sample_periods,
     state_failures,
 )
-from propermodel.codegen.numeric import Number, choose, interpolate, newton, operation_of
-from propermodel.codegen.program import Array, Extrapolation, Function, ImplicitStep, Program, Solve
+from propermodel.codegen.program import Array, Program
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.codegen.rosenbrock import with_step_of
 from propermodel.codegen.schedule import (
-    Call,
-    Compute,
-    Item,
-    Store,
-    leaf_slot,
     number_solves,
-    sequence,
 )
-from propermodel.codegen.tables import prepare_tables
-from propermodel.expressions.core import Expr, Op
-
-
-class _Run:
-    """What functions read and write during one call."""
-
-    def __init__(self, program: Program, lanes: int, memory: Memory) -> None:
-        def zeros(array: Array) -> FloatArray:
-            count = program.layout.lengths.get(array, 0)
-            return np.zeros((count,) if lanes == 1 else (count, lanes))
-
-        self.memory = memory
-        self.lanes = lanes
-        self.time = memory.time
-        self.tables = prepare_tables(program, memory.tables)
-        self.failures: list[Failure] = []
-        self.arrays: dict[Array, FloatArray] = {
-            Array.STATE: memory.state,
-            Array.DISCRETE: memory.discrete,
-            Array.PARAMETER: memory.parameter,
-            Array.UNKNOWN: memory.unknown,
-            Array.RATE: zeros(Array.RATE),
-            Array.POWER: zeros(Array.POWER),
-            Array.SIGNAL: zeros(Array.SIGNAL),
-            Array.GUARD: zeros(Array.GUARD),
-            Array.JUMP: zeros(Array.JUMP),
-            Array.STEP: zeros(Array.STEP),
-            Array.FACTOR: zeros(Array.FACTOR),
-            Array.STAGE: zeros(Array.STAGE),
-            Array.WEAK: zeros(Array.WEAK),
-        }
-        self.pending = 0.0  # the length of an implicit step whose end is not yet in the integrals
-
-    def fail(self, lanes: Sequence[int], number: int) -> None:
-        """Record that an implicit block has no solution in some lanes."""
-        for lane in lanes:
-            self.failures.append(Failure(lane, Status.NOT_CONVERGED, self.time, number))
-            self.memory.alive[lane] = False
-
-    def fail_weak(self, start: IntArray) -> None:
-        """Record that an implicit step has singular equations in some lanes, and give these their state back."""
-        weak = self.arrays[Array.WEAK].reshape(-1)
-        for lane in np.flatnonzero(self.memory.alive & (weak != 0.0)):
-            self.failures.append(Failure(int(lane), Status.SINGULAR_STEP, self.time, int(weak[lane]) - 1))
-            self.memory.alive[lane] = False
-            self.memory.state.reshape(-1, self.lanes)[:, lane] = self.arrays[Array.STAGE].reshape(-1, self.lanes)[
-                start, lane
-            ]
-
-
-class _AllFailed(Exception):
-    """No lane is alive."""
-
-
-class _Code:
-    """A function as a list of steps on a table of values."""
-
-    def __init__(self, program: Program, function: Function, numbers: dict[Solve, int]) -> None:
-        self._layout = program.layout
-        self._items: list[Item] = sequence(function, numbers, lambda _: False)
-        self._operations: dict[Expr, Callable[[_Run, dict[Expr, Number]], Number]] = {}
-        for item in self._items:
-            if isinstance(item, Compute):
-                self._prepare(item.node)
-            elif isinstance(item, Call):
-                for node in item.inner:
-                    self._prepare(node)
-
-    def __call__(self, run: _Run) -> None:
-        """Execute the function."""
-        values: dict[Expr, Number] = {}
-        stores: list[tuple[FloatArray, int, Number]] = []
-        for item in self._items:
-            if isinstance(item, Compute):
-                values[item.node] = self._operations[item.node](run, values)
-            elif isinstance(item, Store):
-                value = self._number(run, values, item.value)
-                stores.append((run.arrays[item.slot.array], item.slot.index, value))
-            else:
-                self._solve(run, values, item)
-        for array, index, value in stores:
-            array[index] = value
-
-    def _value(self, run: _Run, values: dict[Expr, Number], node: Expr) -> Number:
-        if node in values:
-            return values[node]
-        if node.op is Op.CONSTANT:
-            return np.float64(node.data[0])
-        slot = leaf_slot(self._layout, node)
-        if slot.array is Array.TIME:
-            return np.float64(run.time)
-        entry = run.arrays[slot.array][slot.index]
-        value = values[node] = entry.copy() if run.lanes > 1 else entry
-        return value
-
-    def _number(self, run: _Run, values: dict[Expr, Number], node: Expr) -> Number:
-        value = self._value(run, values, node)
-        return value * 1.0 if node.is_condition else value
-
-    def _truth(self, run: _Run, values: dict[Expr, Number], node: Expr) -> Number:
-        value = self._value(run, values, node)
-        return value if node.is_condition else value != 0.0
-
-    def _prepare(self, node: Expr) -> None:
-        if node.op in (Op.LOOKUP, Op.SLOPE):
-            self._operations[node] = self._lookup(node)
-            return
-        function, truths = operation_of(node)
-        readers = [(self._truth if i < truths else self._number, arg) for i, arg in enumerate(node.args)]
-
-        def operation(run: _Run, values: dict[Expr, Number]) -> Number:
-            return function(*(read(run, values, arg) for read, arg in readers))
-
-        self._operations[node] = operation
-
-    def _lookup(self, node: Expr) -> Callable[[_Run, dict[Expr, Number]], Number]:
-        index = self._layout.table_index[node.args[0]]
-        holds = self._layout.tables[index].extrapolation is Extrapolation.HOLD
-        coordinates = node.args[1:]
-        axis = None if node.op is Op.LOOKUP else int(node.data)
-
-        def operation(run: _Run, values: dict[Expr, Number]) -> Number:
-            given = [self._number(run, values, item) for item in coordinates]
-            return interpolate(run.tables[index], given, holds, axis)
-
-        return operation
-
-    def _solve(self, run: _Run, values: dict[Expr, Number], call: Call) -> None:
-        solve = call.solve
-        slots = [leaf_slot(self._layout, unknown).index for unknown in solve.unknowns]
-        unknown = run.arrays[Array.UNKNOWN]
-        start = [unknown[index].copy() if run.lanes > 1 else unknown[index] for index in slots]
-
-        def evaluate(at: list[Number]) -> tuple[list[Number], list[list[Number]]]:
-            local = dict(values)
-            local.update(zip(solve.unknowns, at, strict=True))
-            for node in call.inner:
-                local[node] = self._operations[node](run, local)
-            residuals = [self._number(run, local, item) for item in solve.residuals]
-            return residuals, [[self._number(run, local, item) for item in row] for row in solve.jacobian]
-
-        active = np.array(run.memory.alive) if run.lanes > 1 else np.True_
-        solution, failed = newton(call, start, active, evaluate)
-        for index, node, first, last in zip(slots, solve.unknowns, start, solution, strict=True):
-            unknown[index] = choose(failed, first, last)
-            values[node] = unknown[index].copy() if run.lanes > 1 else unknown[index]
-        if np.any(failed):
-            run.fail([int(lane) for lane in np.flatnonzero(failed)], call.number)
-
-
-class _ImplicitCode:
-    """The functions of an implicit step."""
-
-    def __init__(self, program: Program, step: ImplicitStep, numbers: dict[Solve, int]) -> None:
-        self.first = _Code(program, step.first, numbers)
-        self.first_again = _Code(program, step.first_again, numbers)
-        self.later = [_Code(program, function, numbers) for function in step.later]
-        self.shares = step.shares
-        self.start: IntArray = np.array([slot.index for slot in step.start], dtype=np.int64)
 
 
 class InterpretedMachine:
@@ -215,15 +48,15 @@ class InterpretedMachine:
         numbers = number_solves(program)
         self._method = method
         self._lanes = lanes
-        self._rates = _Code(program, program.rates, numbers)
-        self._displacement_rates = _Code(program, program.displacement_rates, numbers)
-        self._observe = _Code(program, program.observe, numbers)
-        self._samples = [_Code(program, function, numbers) for function in program.samples]
-        self._corrections = [_Code(program, function, numbers) for function in program.corrections]
-        self._guards = None if program.guards is None else _Code(program, program.guards, numbers)
-        self._jumps = None if program.jumps is None else _Code(program, program.jumps, numbers)
+        self._rates = Code(program, program.rates, numbers)
+        self._displacement_rates = Code(program, program.displacement_rates, numbers)
+        self._observe = Code(program, program.observe, numbers)
+        self._samples = [Code(program, function, numbers) for function in program.samples]
+        self._corrections = [Code(program, function, numbers) for function in program.corrections]
+        self._guards = None if program.guards is None else Code(program, program.guards, numbers)
+        self._jumps = None if program.jumps is None else Code(program, program.jumps, numbers)
         self._implicit = (
-            None if program.implicit_step is None else _ImplicitCode(program, program.implicit_step, numbers)
+            None if program.implicit_step is None else ImplicitCode(program, program.implicit_step, numbers)
         )
         self._momenta: IntArray = np.array(program.layout.momenta, dtype=np.int64)
         count = program.layout.lengths.get(Array.STATE, 0)
@@ -244,9 +77,9 @@ class InterpretedMachine:
         """How many runs it does side by side."""
         return self._lanes
 
-    def begun(self, memory: Memory) -> _Run:
+    def begun(self, memory: Memory) -> Working:
         """What functions read and write in a call that works on this memory."""
-        return _Run(self._whole, self._lanes, memory)
+        return Working(self._whole, self._lanes, memory)
 
     def run(self, memory: Memory, request: Request) -> Outcome:
         """Continue the run in `memory` as requested."""
@@ -289,11 +122,11 @@ class InterpretedMachine:
             with np.errstate(all="ignore"):
                 self.step(run, memory.time, step)
                 self.close(run, memory.time + step)
-        except _AllFailed:
+        except AllFailed:
             raise not_solved(self._program, run.failures[0]) from None
         memory.time += step
 
-    def meets_event(self, run: _Run, time: float) -> bool:
+    def meets_event(self, run: Working, time: float) -> bool:
         """Whether a guard has become positive since the guards were last kept; otherwise these are kept."""
         if self._guards is None:
             return False
@@ -303,7 +136,7 @@ class InterpretedMachine:
         run.memory.guard[:] = run.arrays[Array.GUARD]
         return False
 
-    def _evaluated(self, memory: Memory, codes: Sequence[_Code]) -> _Run:
+    def _evaluated(self, memory: Memory, codes: Sequence[Code]) -> Working:
         check_memory(self._program, self._lanes, memory)
         run = self.begun(memory)
         if self._lanes == 1:
@@ -315,29 +148,29 @@ class InterpretedMachine:
             raise not_solved(self._program, run.failures[0])
         return run
 
-    def evaluate(self, run: _Run, code: _Code, time: float) -> None:
+    def evaluate(self, run: Working, code: Code, time: float) -> None:
         """Execute a function at a time.
 
         Raises:
-            _AllFailed: an implicit block has no solution in the last lane alive.
+            AllFailed: an implicit block has no solution in the last lane alive.
         """
         run.time = time
         code(run)
         if not run.memory.alive.any():
-            raise _AllFailed
+            raise AllFailed
 
-    def sample_one(self, run: _Run, k: int, time: float) -> None:
+    def sample_one(self, run: Working, k: int, time: float) -> None:
         """Apply the controllers of one rate."""
         self.evaluate(run, self._samples[k], time)
 
-    def signals(self, run: _Run, time: float) -> FloatArray:
+    def signals(self, run: Working, time: float) -> FloatArray:
         """All signals; the start of the next iteration is not changed by it."""
         kept = run.memory.unknown.copy()
         self.evaluate(run, self._observe, time)
         run.memory.unknown[...] = kept
         return run.arrays[Array.SIGNAL]
 
-    def step(self, run: _Run, time: float, h: float, is_fresh: bool = True) -> None:
+    def step(self, run: Working, time: float, h: float, is_fresh: bool = True) -> None:
         """Advance the states and the integrals by one step; if not fresh, an implicit one with the Jacobian it has."""
         if self._implicit is None:
             self._explicit_step(run, time, h)
@@ -346,19 +179,19 @@ class InterpretedMachine:
         for correction in self._corrections:
             self.evaluate(run, correction, time + h)
 
-    def _implicit_step(self, run: _Run, time: float, h: float, code: _ImplicitCode, is_fresh: bool) -> None:
+    def _implicit_step(self, run: Working, time: float, h: float, code: ImplicitCode, is_fresh: bool) -> None:
         run.arrays[Array.STEP][:] = h
         self.evaluate(run, code.first if is_fresh else code.first_again, time)
         if is_fresh:
             run.fail_weak(code.start)
             if not run.memory.alive.any():
-                raise _AllFailed
+                raise AllFailed
         self._add_powers(run, (run.pending + h) * QUADRATURE[self._method][0])
         run.pending = h
         for stage, share in zip(code.later, code.shares, strict=True):
             self.evaluate(run, stage, time + h * share)
 
-    def close(self, run: _Run, time: float) -> None:
+    def close(self, run: Working, time: float) -> None:
         """Complete the integrals at the end of the last step before an instant."""
         if self._implicit is None:
             return
@@ -366,7 +199,7 @@ class InterpretedMachine:
         self._add_powers(run, run.pending * QUADRATURE[self._method][-1])
         run.pending = 0.0
 
-    def _explicit_step(self, run: _Run, time: float, h: float) -> None:
+    def _explicit_step(self, run: Working, time: float, h: float) -> None:
         state, rate = run.arrays[Array.STATE], run.arrays[Array.RATE]
         self.evaluate(run, self._rates, time)
         self._integrate(run, h, 0)
@@ -388,10 +221,10 @@ class InterpretedMachine:
             case Method.ROS2:
                 raise AssertionError("an implicit method has its own step")
 
-    def _integrate(self, run: _Run, h: float, stage: int) -> None:
+    def _integrate(self, run: Working, h: float, stage: int) -> None:
         self._add_powers(run, h * QUADRATURE[self._method][stage])
 
-    def _add_powers(self, run: _Run, span: float) -> None:
+    def _add_powers(self, run: Working, span: float) -> None:
         part = run.arrays[Array.POWER] * span
         run.memory.integral += part
         run.memory.activity += abs(part)
@@ -434,7 +267,7 @@ class _Loop:
                 if not self._do_steps():
                     return self._outcome(Status.EVENT)
                 self._check()
-        except _AllFailed:
+        except AllFailed:
             return self._outcome(None)
 
     def _row_due(self) -> float:
@@ -511,7 +344,7 @@ class _Loop:
             self._run.failures.append(failure)
             self._memory.alive[failure.lane] = False
         if not self._memory.alive.any():
-            raise _AllFailed
+            raise AllFailed
 
     def _outcome(self, status: Status | None) -> Outcome:
         failures = self._run.failures

@@ -23,11 +23,12 @@ from propermodel.diagnostics import Path
 from propermodel.expressions.core import (
     ZERO,
     Expr,
+    Op,
     SymbolKind,
     constant,
     divide,
-    leaves,
     multiply,
+    postorder,
     subtract,
     symbol,
     where,
@@ -60,7 +61,6 @@ ROS2 = Tableau(
 )
 
 STEP = symbol(SymbolKind.TIME, Path(("step",)), "s")
-
 
 TABLEAUS: Mapping[Method, Tableau] = {Method.ROS2: ROS2}
 
@@ -126,18 +126,26 @@ class _Builder:
         for i in range(self._size):
             entries[i, i] = subtract(entries.get((i, i), ZERO), unit)
         found = factorise(self._size, entries, unit)
-        changing: dict[Expr, None] = {}
-        found.factors.mapped(lambda entry: changing.setdefault(entry) or entry)
-        changing = {entry: None for entry in changing if entry.args and self._changes(entry)}
+        changing = self._changing(found.factors)
         weak = ZERO
         for i in reversed(range(self._size)):
             weak = where(found.is_weak[i], constant(i + 1.0), weak)
         return found.factors, dict(zip(changing, self._new(Array.FACTOR, changing), strict=True)), weak
 
-    def _changes(self, entry: Expr) -> bool:
-        """Whether a value is other than a function of parameters."""
+    def _changing(self, factors: SparseFactors) -> list[Expr]:
+        """The factors that are other than functions of parameters, each once."""
+        entries: dict[Expr, None] = {}
+        factors.mapped(lambda entry: entries.setdefault(entry) or entry)
         slots = self._program.layout.slots
-        return any(leaf not in slots or slots[leaf].array is not Array.PARAMETER for leaf in leaves(entry))
+        fixed: set[Expr] = set()
+        for node in postorder(entries):
+            if node.args:
+                is_fixed = all(arg in fixed for arg in node.args)
+            else:
+                is_fixed = node.op is Op.CONSTANT or (node in slots and slots[node].array is Array.PARAMETER)
+            if is_fixed:
+                fixed.add(node)
+        return [entry for entry in entries if entry.args and entry not in fixed]
 
     def _stores(self, keeping: Mapping[Expr, Expr]) -> list[Assign]:
         return [Assign(self._slots[leaf], entry) for entry, leaf in keeping.items()]
