@@ -159,6 +159,10 @@ def test_an_algebraic_loop_through_an_activated_bond_is_solved():
     # (6 - v) / 1 + (v / 2 - v) / 4 = v / 8
     assert run.at_end("load.port.effort") == pytest.approx(6.0 / 1.25, rel=1e-12)
     assert pm.energy_balance(run).relative_residual < 1e-12
+    report = pm.explain_causality(run.compiled)
+    through = [loop for loop in report.loops if "series.b.to_amplifier_primary_a" in map(str, loop.path.places)]
+    assert through
+    assert "Se to_amplifier_primary_a" in report.text()
 
 
 class Written(pm.Component):
@@ -239,7 +243,8 @@ def test_the_stroke_of_an_activated_bond_is_fixed_and_explained():
     assert "activated bonds: 1\n  mesh.to_other: mesh => other  (activated: current only)" in report.text()
     assert "activated bond" in report.table()
     assert "  mesh => other  (activated: current only)" in str(compiled.graph)
-    assert "mesh.to_other.port ->" not in str(compiled.graph)
+    assert "to_other.port ->" not in str(compiled.graph)
+    assert "Se to_other_felt begins an activated bond: it takes no voltage (effort) from bond" in report.explanation()
 
 
 def test_an_activated_bond_cannot_give_what_a_source_gives():

@@ -98,6 +98,8 @@ def _balance(trajectory: Trajectory, bonds: set[Path]) -> EnergyBalance:
         converts = len(own) < len(ends)
         if converts and not is_pseudo(graph, own[0]):
             converted += inward
+        elif path in graph.activated_probes:
+            continue
         elif (bond := graph.activated_sources.get(path)) is not None:
             throughput += passed
             activated.append((bond.path, -inward))

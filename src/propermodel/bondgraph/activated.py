@@ -38,7 +38,7 @@ def activated(ends: Ends, tail: End, head: End) -> tuple[ActivatedBond, tuple[Bo
     """An activated bond with the two bonds of its sources, which point the way it points."""
     bond = ActivatedBond(
         path=ends.name,
-        felt=ends.name / "tail" / "port",
+        felt=ends.name.parent / f"{ends.name.name}_felt" / "port",
         given=ends.name / "port",
         carries=ends.carries,
         source=ends.source,

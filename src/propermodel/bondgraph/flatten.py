@@ -77,6 +77,7 @@ def flatten(model: Model) -> BondGraph:
     walk.faults.found.extend(circles or _out_of_range(walk.parameters))
     walk.faults.raise_if_any()
     net = Net(original)
+    net.probes.update(bond.felt.parent for bond in walk.activated)
     normalise(net, [])
     make_removals(net, walk.domains, model.removals)
     normal = net.freeze()

@@ -200,6 +200,11 @@ class BondGraph:
         return {bond.given.parent: bond for bond in self.activated}
 
     @property
+    def activated_probes(self) -> Mapping[Path, ActivatedBond]:
+        """The activated bond that each source of nothing at the tail of one stands for."""
+        return {bond.felt.parent: bond for bond in self.activated}
+
+    @property
     def held(self) -> tuple[tuple[Expr, Expr], ...]:
         """Every held value with its start: those of controllers, then those that events change."""
         return (*(start for controller in self.controllers for start in controller.starts), *self.discretes)
@@ -220,7 +225,7 @@ class BondGraph:
         lines = [f"bond graph of {self.model.name}: {len(self.normal.elements)} elements, "]
         lines[0] += f"{len(self.normal.junctions)} junctions, {len(self.normal.bonds)} bonds"
         lines.extend(f"  {element.kind:<3} {element.path}" for element in self.normal.elements.values())
-        given = {bond.given for bond in self.activated}
-        lines.extend(f"  {b.tail.path} -> {b.head.path}" for b in self.normal.bonds.values() if b.name not in given)
+        ends = {end for bond in self.activated for end in (bond.felt, bond.given)}
+        lines.extend(f"  {b.tail.path} -> {b.head.path}" for b in self.normal.bonds.values() if b.name not in ends)
         lines.extend(f"  {self.activation_text(bond)}" for bond in self.activated)
         return "\n".join(lines)

@@ -102,6 +102,7 @@ class Assignment:
         self.graph = graph
         self.structure = graph.normal
         self.activated = graph.activated_sources
+        self.probes = graph.activated_probes
         self.at = graph.normal.at()
         self.strokes: dict[Path, Stroke] = {}
         self.trail: list[Path] = []
@@ -123,7 +124,7 @@ class Assignment:
 
     def why_source(self, element: Element) -> Why:
         """Whether a source is one, or the end of an activated bond."""
-        return Why.ACTIVATED if element.path in self.activated else Why.SOURCE
+        return Why.ACTIVATED if element.path in self.activated or element.path in self.probes else Why.SOURCE
 
     def law_patterns(self, element: Element) -> list[Pattern]:
         """The strokes that each law of a resistance needs; those that its implicit law allows come last."""

@@ -63,6 +63,8 @@ class Signals:
         self.causal = causal
         self.structure = causal.graph.normal
         self.at = self.structure.at()
+        self.activated = causal.graph.activated_sources
+        self.probes = causal.graph.activated_probes
 
     def setter(self, signal: Signal) -> Path:
         """The element or junction that gives a variable."""
@@ -107,7 +109,7 @@ class Signals:
         return True
 
     def follows_from(self, signal: Signal) -> list[Signal]:
-        """The variables that junctions and two-ports make a variable from; none where an element sets it."""
+        """What junctions, two-ports and activated bonds make a variable from; nothing where an element sets it."""
         place = self.setter(signal)
         junction = self.structure.junctions.get(place)
         if junction is not None:
@@ -117,7 +119,8 @@ class Signals:
             (other,) = (bond for bond in self.at[place] if bond.name != signal[0])
             gyrates = element.kind is ElementKind.GYRATOR
             return [(other.name, signal[1].other if gyrates else signal[1])]
-        return []
+        activated = self.activated.get(place)
+        return [] if activated is None else [(activated.felt, activated.carries)]
 
     def follows_at_once(self, signal: Signal) -> list[Signal]:
         """The same, also through the laws of resistances and dependent storage."""
@@ -173,7 +176,7 @@ class Signals:
             for name, variable in answers:
                 for path in self.influences((name, variable.other)):
                     begin = self.structure.elements[path.begin]
-                    is_source = isinstance(begin.behaviour, PowerSource)
+                    is_source = isinstance(begin.behaviour, PowerSource) and begin.path not in self.probes
                     if path.begin != element.path and (is_source or self.is_memoryless(path.signals[0])):
                         found.append(path)
         return found
@@ -187,7 +190,7 @@ class Signals:
         together = {signals[k]: {signals[j] for j in component} for component in components for k in component}
         found: dict[frozenset[Signal], CausalLoop] = {}
         starts = [signal for signal in signals if signal in together]
-        preferred = [signal for signal in starts if self.is_memoryless(signal)]
+        preferred = [s for s in starts if self.is_memoryless(s) or self.setter(s) in self.activated]
         for signal in preferred or starts[:1]:
             loop = self._loop(signal, together[signal])
             found.setdefault(frozenset(loop.path.signals), loop)

@@ -153,6 +153,8 @@ class CausalReport:
             case Why.SOURCE:
                 return f"{who} prescribes the {given} of {where}."
             case Why.ACTIVATED:
+                if step.element in self.causal.graph.activated_probes:
+                    return f"{who} begins an activated bond: it takes no {given} from {where}."
                 return f"{who} is the end of an activated bond, which gives the {given} of {where} and feels nothing."
             case Why.CONSTRAINT:
                 return f"{who} closes a kinematic loop: the {given} of {where} keeps its flow."
