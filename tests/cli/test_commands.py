@@ -15,6 +15,7 @@ from propermodel.cli.progress import ProgressBars
 from propermodel.compiler import Method, compile_model
 from propermodel.modelling.documents import read_model, write_model
 from propermodel.simulation.simulate import Progress
+from propermodel.simulation.storage import load_trajectory
 
 FILE = Path(__file__).with_name("quarter_car.py")
 MODEL = f"{FILE}:QuarterCar"
@@ -203,6 +204,14 @@ def test_demo_writes_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     printed = succeed("demo", "--out", tmp_path, "--until", "1")
     assert (tmp_path / "mission.png").as_posix() in printed
     assert (tmp_path / "summary.json").is_file()
+
+
+def test_an_implicit_method_says_in_its_file_how_many_steps_share_a_jacobian(tmp_path: Path):
+    options = ("--method", "ros2", "--step", "1e-3", "--jacobian-every", "3", "--until", "0.1", "--out", tmp_path)
+    assert "completed to 0.1 s" in succeed("run", MODEL, *options)
+    stored = load_trajectory(tmp_path / "trajectory.npz")
+    assert (stored.method, stored.step, stored.jacobian_every) == ("ros2", 1e-3, 3)
+    assert "0 steps shall share a Jacobian" in fail(2, "run", MODEL, "--method", "ros2", "--jacobian-every", "0")
 
 
 def test_methods_have_the_names_of_the_compiler():

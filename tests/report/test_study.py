@@ -64,6 +64,7 @@ def test_the_summary_holds_what_is_published(summary: dict):
         "discretisation_check_points",
         "method",
         "step_s",
+        "jacobian_every",
         "wall_s",
         "speedup",
         "speedup_best_steps",

@@ -179,6 +179,7 @@ def memory_at(run: Trajectory, time: float | None) -> Memory:
         replace(run.scenario, stop=time),
         method=run.method,
         step=run.step,
+        jacobian_every=run.jacobian_every,
         record=(),
         record_every=time - run.scenario.start,
         integrals_every=time - run.scenario.start,

@@ -10,6 +10,7 @@ import typer
 from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED, print_diagnostics
 from propermodel.cli.options import (
     AsJson,
+    JacobianOption,
     MethodOption,
     ModelText,
     ScenarioText,
@@ -26,6 +27,7 @@ def activity(
     until: Until = None,
     method: MethodOption = None,
     step: StepOption = None,
+    jacobian_every: JacobianOption = None,
     settings: SetOption = None,
     window: Annotated[
         tuple[float, float] | None, typer.Option(help="The part of the run to rank, s.", metavar="FROM TO")
@@ -42,10 +44,17 @@ def activity(
     from propermodel.diagnostics import SimulationError
     from propermodel.report.study import StudyOptions, StudySoFar
 
-    subject = configured(load_subject(model, scenario), until=until, method=method, step=step, settings=settings)
+    subject = configured(
+        load_subject(model, scenario),
+        until=until,
+        method=method,
+        step=step,
+        jacobian_every=jacobian_every,
+        settings=settings,
+    )
     compiled = compile_model(subject.model)
     so_far = StudySoFar()
-    options = StudyOptions(method=subject.method, step=subject.step)
+    options = StudyOptions(method=subject.method, step=subject.step, jacobian_every=subject.jacobian_every)
     with ProgressBars() as bars:
         try:
             full = so_far.run("full", compiled, subject.scenario, subject.step, options, bars)

@@ -11,6 +11,7 @@ import typer
 from propermodel.cli.faults import CommandError
 from propermodel.cli.options import (
     AsJson,
+    JacobianOption,
     MethodOption,
     ModelText,
     OutputOption,
@@ -43,6 +44,7 @@ def linearise(
     matrices: Annotated[bool, typer.Option("--matrices", help="Print A, B, C and D too.")] = False,
     method: MethodOption = None,
     step: StepOption = None,
+    jacobian_every: JacobianOption = None,
     settings: SetOption = None,
     as_json: AsJson = False,
 ) -> None:
@@ -55,7 +57,14 @@ def linearise(
         raise CommandError.of(
             "command/point", "--at and --equilibrium are two points", help="give one of them, or neither for the start"
         )
-    subject = configured(load_subject(model, scenario), method=method, step=step, settings=settings, outputs=output)
+    subject = configured(
+        load_subject(model, scenario),
+        method=method,
+        step=step,
+        jacobian_every=jacobian_every,
+        settings=settings,
+        outputs=output,
+    )
     compiled = compile_model(subject.model)
     linear = _linear_model(compiled, subject, at, equilibrium, inputs)
     if as_json:
@@ -87,7 +96,14 @@ def _linear_model(
         point = find_equilibrium(compiled, scenario)
     elif at is not None and at > scenario.start:
         until = replace(scenario, stop=at)
-        point = simulate(compiled, until, method=subject.method, step=subject.step, record=[])
+        point = simulate(
+            compiled,
+            until,
+            method=subject.method,
+            step=subject.step,
+            jacobian_every=subject.jacobian_every,
+            record=[],
+        )
     return linear_model(compiled, point, inputs=inputs or None, outputs=subject.outputs or None)
 
 

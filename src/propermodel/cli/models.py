@@ -32,6 +32,7 @@ class Subject:
     panels: tuple[Panel, ...] = ()
     method: Method = Method.SEMI_IMPLICIT
     step: float = 2e-4
+    jacobian_every: int = 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,10 @@ ScenarioText = Annotated[
 ]
 Until = Annotated[float | None, typer.Option("--until", help="End of the run, s.", metavar="S")]
 MethodOption = Annotated[MethodName | None, typer.Option("--method", help="How a step is taken.")]
+JacobianOption = Annotated[
+    int | None,
+    typer.Option("--jacobian-every", help="Steps that ros2 takes with one Jacobian.", metavar="N"),
+]
 StepOption = Annotated[float | None, typer.Option("--step", help="Largest step, s.", metavar="S")]
 SetOption = Annotated[
     list[str] | None,
@@ -63,6 +67,7 @@ def configured(
     until: float | None = None,
     method: MethodName | None = None,
     step: float | None = None,
+    jacobian_every: int | None = None,
     settings: Iterable[str] | None = None,
     outputs: Iterable[str] | None = None,
 ) -> Subject:
@@ -85,6 +90,7 @@ def configured(
         scenario=scenario,
         method=subject.method if method is None else Method(method.value),
         step=subject.step if step is None else step,
+        jacobian_every=subject.jacobian_every if jacobian_every is None else jacobian_every,
         outputs=chosen or subject.outputs,
     )
 

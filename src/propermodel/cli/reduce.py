@@ -11,6 +11,7 @@ import typer
 from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED, print_diagnostics
 from propermodel.cli.options import (
     AsJson,
+    JacobianOption,
     MethodOption,
     ModelText,
     OutputOption,
@@ -34,6 +35,7 @@ def reduce(
     until: Until = None,
     method: MethodOption = None,
     step: StepOption = None,
+    jacobian_every: JacobianOption = None,
     output: OutputOption = None,
     settings: SetOption = None,
     keep_driven: Annotated[
@@ -54,7 +56,13 @@ def reduce(
     from propermodel.report.study import StudyOptions
 
     subject = configured(
-        load_subject(model, scenario), until=until, method=method, step=step, settings=settings, outputs=output
+        load_subject(model, scenario),
+        until=until,
+        method=method,
+        step=step,
+        jacobian_every=jacobian_every,
+        settings=settings,
+        outputs=output,
     )
     options = StudyOptions(
         threshold=threshold,
@@ -65,6 +73,7 @@ def reduce(
         panels=subject.panels,
         method=subject.method,
         step=subject.step,
+        jacobian_every=subject.jacobian_every,
         speed_repeats=5 if speed else 0,
         best_steps=best_steps,
     )

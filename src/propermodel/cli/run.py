@@ -10,6 +10,7 @@ import typer
 from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED
 from propermodel.cli.options import (
     AsJson,
+    JacobianOption,
     MethodOption,
     ModelText,
     OutFolder,
@@ -28,6 +29,7 @@ def run(
     until: Until = None,
     method: MethodOption = None,
     step: StepOption = None,
+    jacobian_every: JacobianOption = None,
     output: OutputOption = None,
     settings: SetOption = None,
     record_every: Annotated[float | None, typer.Option(help="Period of recording, s.", metavar="S")] = None,
@@ -47,7 +49,13 @@ def run(
     from propermodel.simulation.trajectory import RunStatus
 
     subject = configured(
-        load_subject(model, scenario), until=until, method=method, step=step, settings=settings, outputs=output
+        load_subject(model, scenario),
+        until=until,
+        method=method,
+        step=step,
+        jacobian_every=jacobian_every,
+        settings=settings,
+        outputs=output,
     )
     compiled = compile_model(subject.model)
     check_outputs(compiled, subject.outputs)
@@ -58,6 +66,7 @@ def run(
             subject.scenario,
             method=subject.method,
             step=subject.step,
+            jacobian_every=subject.jacobian_every,
             record_every=period,
             progress=lambda progress: bars("simulating", progress),
         )

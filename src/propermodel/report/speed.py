@@ -125,6 +125,7 @@ def _run(
         replace(scenario, stop=window[1]),
         method=like.method,
         step=step,
+        jacobian_every=like.jacobian_every,
         record=outputs,
         record_every=_period(like),
     )

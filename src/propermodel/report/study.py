@@ -37,6 +37,7 @@ class StudyOptions:
     panels: tuple[Panel, ...] = ()  # of the figure of the mission
     method: Method = Method.SEMI_IMPLICIT
     step: float = 2e-4
+    jacobian_every: int = 1  # steps that an implicit method takes with one Jacobian
     speed_repeats: int = 5  # 0: not measured
     best_steps: bool = True
 
@@ -95,6 +96,7 @@ class StudySoFar:
             scenario,
             method=options.method,
             step=step,
+            jacobian_every=options.jacobian_every,
             record=() if name == "refined" else None,
             record_every=options.record_every(scenario),
             integrals_every=max(step, min(1.0, (scenario.stop - scenario.start) / 100.0)),

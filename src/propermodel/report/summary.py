@@ -48,6 +48,7 @@ def summarise(study: ReductionStudy) -> dict[str, Json]:
         "window_s": [full.scenario.start, full.scenario.stop],
         "method": full.method.value,
         "step_s": full.step,
+        "jacobian_every": full.jacobian_every,
         "energy_elements": len(ranking.rows),
         "threshold": reduction.threshold,
         "tolerance": reduction.tolerance,

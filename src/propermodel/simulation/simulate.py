@@ -144,6 +144,7 @@ def simulate(
         scenario=scenario,
         method=method,
         step=step,
+        jacobian_every=jacobian_every,
         time=rows.times[: rows.count],
         columns=rows.values[: rows.count],
         recorded={int(entry): column for column, entry in enumerate(selected)},

@@ -44,6 +44,7 @@ class StoredTrajectory:
     scenario: Scenario
     method: str
     step: float
+    jacobian_every: int
     time: FloatArray
     units: Mapping[Path, str]
     integral_times: FloatArray
@@ -121,6 +122,7 @@ def save_trajectory(
         "name": trajectory.compiled.model.name,
         "method": trajectory.method.value,
         "step_s": trajectory.step,
+        "jacobian_every": trajectory.jacobian_every,
         "ending": {
             "status": trajectory.ending.status.value,
             "message": trajectory.ending.message,
@@ -226,6 +228,7 @@ def _opened(header: dict[str, Any], arrays: Mapping[str, FloatArray]) -> StoredT
         scenario=from_scenario_document(header["scenario"]),
         method=str(header["method"]),
         step=float(header["step_s"]),
+        jacobian_every=int(header.get("jacobian_every", 1)),
         time=arrays["time"],
         units={path: unit for path, unit, _ in rows},
         integral_times=arrays["integral_times"],

@@ -89,6 +89,7 @@ class Trajectory:
     scenario: Scenario
     method: Method
     step: float
+    jacobian_every: int  # steps that an implicit method takes with one Jacobian
     time: FloatArray
     columns: FloatArray  # rows x recorded entries
     recorded: Mapping[int, int]  # entry of the program's signals: column
