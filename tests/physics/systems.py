@@ -74,6 +74,7 @@ def run(
     method: Method = Method.RK4,
     every: float | None = None,
     backend: Backend = Backend.NATIVE,
+    jacobian_every: int = 1,
     **given: Any,
 ) -> Trajectory:
     """A run with RK4, recorded at a hundred instants; it must reach its end."""
@@ -82,6 +83,7 @@ def run(
         scenario(stop, **given),
         method=method,
         step=step,
+        jacobian_every=jacobian_every,
         record_every=stop / 100.0 if every is None else every,
         integrals_every=stop / 10.0,
     )
