@@ -57,9 +57,10 @@ class CompiledModel:
         """What its author may not have meant, although it can be simulated; what removals bring about is meant."""
         if self.model.removals:
             return ()
-        loops = self.transformer_loops
-        locked = locked_loops(self.graph, loops, parameter_values(self.graph.parameters)) if loops else ()
-        return (*separate_parts(self.graph), *locked, *impulsive_sources(self.system))
+        with _collection_later():
+            loops = self.transformer_loops
+            locked = locked_loops(self.graph, loops, parameter_values(self.graph.parameters)) if loops else ()
+            return (*separate_parts(self.graph), *locked, *impulsive_sources(self.system))
 
     @cached_property
     def transformer_loops(self) -> tuple[TransformerLoop, ...]:

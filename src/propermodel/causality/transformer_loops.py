@@ -46,6 +46,8 @@ class _Ratio:
 
 def transformer_loops(structure: Structure) -> tuple[TransformerLoop, ...]:
     """The independent loops whose moduli are made of parameters alone."""
+    if not any(isinstance(element.behaviour, TwoPort) for element in structure.elements.values()):
+        return ()
     ratios = list(_ratios(structure))
     at: dict[Signal, list[int]] = {}
     for number, ratio in enumerate(ratios):
