@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from propermodel.diagnostics import Diagnostic, Involved, Path, StructureError
@@ -12,34 +13,62 @@ def eliminate(matrix: Sequence[Sequence[Expr]], right: Sequence[Expr], paths: Se
     """The solution of a small linear system in expressions.
 
     The pivot of each column is the diagonal where that is not structurally zero: for dependent storage and passive
-    loops the diagonal holds positive terms only.
+    loops the diagonal holds positive terms only. Of the columns left the one comes next that fills in least
+    (Markowitz), so that chains and ladders stay as sparse as they are.
 
     Raises:
         StructureError: the system is structurally singular; the elements are named.
     """
     size = len(right)
-    rows = [list(row) for row in matrix]
+    rows = [{column: entry for column, entry in enumerate(row) if not is_zero(entry)} for row in matrix]
     values = list(right)
-    for column in range(size):
-        pivot = _pivot(rows, column, paths)
+    left, order = list(range(size)), list[int]()
+    while left:
+        column = _next_column(rows, left)
+        pivot = _pivot(rows, column, left, paths)
         rows[column], rows[pivot] = rows[pivot], rows[column]
         values[column], values[pivot] = values[pivot], values[column]
-        for row in range(column + 1, size):
-            if is_zero(rows[row][column]):
+        left.remove(column)
+        order.append(column)
+        for row in left:
+            if column not in rows[row]:
                 continue
-            factor = divide(rows[row][column], rows[column][column])
-            for k in range(column + 1, size):
-                rows[row][k] = rows[row][k] - factor * rows[column][k]
+            factor = divide(rows[row].pop(column), rows[column][column])
+            for k in left:
+                if k in rows[column]:
+                    _subtract(rows[row], k, factor * rows[column][k])
             values[row] = values[row] - factor * values[column]
-    for column in reversed(range(size)):
-        for k in range(column + 1, size):
-            values[column] = values[column] - rows[column][k] * values[k]
+    for place, column in reversed(list(enumerate(order))):
+        for k in order[place + 1 :]:
+            if k in rows[column]:
+                values[column] = values[column] - rows[column][k] * values[k]
         values[column] = divide(values[column], rows[column][column])
     return values
 
 
-def _pivot(rows: list[list[Expr]], column: int, paths: Sequence[Path]) -> int:
-    candidates = [row for row in range(column, len(rows)) if not is_zero(rows[row][column])]
+def _subtract(row: dict[int, Expr], column: int, term: Expr) -> None:
+    """Take a term from an entry of a row."""
+    entry = row[column] - term if column in row else -term
+    if is_zero(entry):
+        row.pop(column, None)
+    else:
+        row[column] = entry
+
+
+def _next_column(rows: list[dict[int, Expr]], left: list[int]) -> int:
+    """The column that fills in least when its diagonal is the pivot; the first where no diagonal can be one."""
+    remaining = set(left)
+    in_column = Counter(column for row in left for column in rows[row] if column in remaining)
+    usable = [column for column in left if column in rows[column]]
+
+    def fill(column: int) -> int:
+        return (in_column[column] - 1) * (len(remaining.intersection(rows[column])) - 1)
+
+    return min(usable, key=fill) if usable else left[0]
+
+
+def _pivot(rows: list[dict[int, Expr]], column: int, left: list[int], paths: Sequence[Path]) -> int:
+    candidates = [row for row in left if column in rows[row]]
     if not candidates:
         raise StructureError(
             [
