@@ -9,6 +9,8 @@ helps. Where dependent storage would still depend on its own answer, laws may be
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 
 from propermodel.bondgraph.graph import Element, Structure
 from propermodel.causality.assign import assign_causality
@@ -16,7 +18,7 @@ from propermodel.causality.causal import CausalGraph
 from propermodel.causality.completion import assign_beyond_laws
 from propermodel.causality.graph_algorithms import strong_components
 from propermodel.diagnostics import Path, StructureError
-from propermodel.equations.definitions import define
+from propermodel.equations.definitions import Definitions, define
 from propermodel.expressions.core import Expr, Op, SymbolKind, leaves
 from propermodel.modelling.model import ElementKind, JunctionKind, TwoPort
 
@@ -26,52 +28,69 @@ MOST_STORAGES = 200
 Score = tuple[int, int, int, int]
 
 
+@dataclass(frozen=True, eq=False)
+class _Choice:
+    """A causal graph under examination; its equations are written once."""
+
+    causal: CausalGraph
+
+    @cached_property
+    def definitions(self) -> Definitions:
+        """What defines every variable."""
+        return define(self.causal)
+
+    @cached_property
+    def score(self) -> Score:
+        """Divisions by moduli that may vanish, variables in loops of dependent storage, constraints, dependents."""
+        loops = _looped_variables(self.definitions) if self.causal.derivative else 0
+        return _divisions(self.causal), loops, len(self.causal.constraints), len(self.causal.derivative)
+
+
 def select_states(causal: CausalGraph) -> CausalGraph:
     """The same graph with the best states found, or the given one where there is nothing to gain."""
     found = _search(causal)
-    if not found.derivative or not _answers_itself(found):
-        return found
+    if not found.causal.derivative or not _answers_itself(found.definitions):
+        return found.causal
     other = assign_beyond_laws(causal.graph)
-    return found if other is None or _answers_itself(other) else other
+    return found.causal if other is None or _answers_itself(define(other)) else other
 
 
-def _search(causal: CausalGraph) -> CausalGraph:
+def _search(causal: CausalGraph) -> _Choice:
     elements = [e.path for e in causal.graph.normal.elements.values() if e.kind.is_storage]
+    best = _Choice(causal)
     if not (causal.derivative or causal.constraints) or len(elements) > MOST_STORAGES:
-        return causal
-    order, best, score = elements, causal, _score(causal)
+        return best
+    order = elements
     classes = _rigid_classes(causal.graph.normal)
-    while score[:2] > (0, 0):
-        found = min(_moves(causal, order, classes, score), key=lambda item: item[0], default=None)
+    while best.score[:2] > (0, 0):
+        found = min(_moves(best, order, classes), key=lambda item: item[0].score, default=None)
         if found is None:
             return best
-        score, order, best = found
-        causal = best
+        best, order = found
     return best
 
 
-def _moves(
-    causal: CausalGraph, order: list[Path], classes: list[list[Path]], score: Score
-) -> Iterator[tuple[Score, list[Path], CausalGraph]]:
+def _moves(choice: _Choice, order: list[Path], classes: list[list[Path]]) -> Iterator[tuple[_Choice, list[Path]]]:
     """The better causal graphs that moving one rigid class to the end or the front of the order gives."""
+    causal, score = choice.causal, choice.score
     for members in classes:
         moved = [path for path in order if path in members]
         rest = [path for path in order if path not in members]
         for attempt in ([*rest, *moved], [*moved, *rest]):
             try:
-                other = assign_causality(causal.graph, attempt, causal.constraints)
+                other = _Choice(assign_causality(causal.graph, attempt, causal.constraints))
             except StructureError:
                 continue
-            if _divisions(other) <= score[0] and (new := _score(other)) < score:
-                yield new, attempt, other
+            if _divisions(other.causal) <= score[0] and other.score < score:
+                yield other, attempt
     for constraint in causal.constraints:
         # A part without mass in a loop: its flow follows from the closure, not from an effort.
         try:
-            other = assign_causality(causal.graph, order, [c for c in causal.constraints if c != constraint])
+            other = _Choice(assign_causality(causal.graph, order, [c for c in causal.constraints if c != constraint]))
         except StructureError:
             continue
-        if (new := _score(other)) < score:
-            yield new, order, other
+        if other.score < score:
+            yield other, order
 
 
 def _rigid_classes(structure: Structure) -> list[list[Path]]:
@@ -100,12 +119,6 @@ def _rigid_classes(structure: Structure) -> list[list[Path]]:
     return list(classes.values())
 
 
-def _score(causal: CausalGraph) -> Score:
-    """Divisions by moduli that may vanish, variables in loops of dependent storage, constraints, dependent storages."""
-    loops = _looped_variables(causal) if causal.derivative else 0
-    return _divisions(causal), loops, len(causal.constraints), len(causal.derivative)
-
-
 def _divisions(causal: CausalGraph) -> int:
     return sum(_divides(causal, e, e.behaviour) for e in causal.graph.normal.elements.values())
 
@@ -126,9 +139,8 @@ def _may_vanish(modulus: Expr) -> bool:
     return any(leaf.data.kind is not SymbolKind.PARAMETER for leaf in leaves(modulus))
 
 
-def _looped_variables(causal: CausalGraph) -> int:
+def _looped_variables(found: Definitions) -> int:
     """How many variables stand in algebraic loops that the answer of dependent storage runs through."""
-    found = define(causal)
     symbols = list(found.values)
     index = {s: i for i, s in enumerate(symbols)}
     answers = {d.unknown for d in found.dependents}
@@ -148,9 +160,8 @@ def _looped_variables(causal: CausalGraph) -> int:
     return count
 
 
-def _answers_itself(causal: CausalGraph) -> bool:
+def _answers_itself(found: Definitions) -> bool:
     """Whether the content of dependent storage follows from what dependent storage answers: a higher index."""
-    found = define(causal)
     sources = found.values | {item.unknown: item.residual for item in found.implied}
     answers = {dependent.unknown for dependent in found.dependents}
     pending = [leaf for dependent in found.dependents for leaf in leaves(dependent.stored) if leaf in sources]
