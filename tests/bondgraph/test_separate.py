@@ -10,7 +10,7 @@ from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.separate import separate_parts
 from propermodel.compiler import compile_quietly
 from propermodel.diagnostics import Severity
-from tests.parts import Fixed, Mass, Spring
+from tests.parts import Fixed, Force, Mass, Spring
 
 
 class Oscillator(Component):
@@ -95,3 +95,20 @@ def test_both_parts_are_simulated():
     cosine = -0.4161468365471424
     assert run.at_end("left.mass.flange.flow") == pytest.approx(1.0 * cosine, abs=1e-9)
     assert run.at_end("right.mass.flange.flow") == pytest.approx(3.0 * cosine, abs=1e-9)
+
+
+def test_a_component_with_ports_is_one_thing():
+    class Body(Component):
+        x = Port(Translation)
+        y = Port(Translation)
+        along = Mass(mass=1.0)
+        upward = Mass(mass=1.0)
+        connections = (connect(x, along.flange), connect(y, upward.flange))
+
+    class Flight(Component):
+        body = Body()
+        push = Force(force=1.0)
+        weight = Force(force=-9.81)
+        connections = (connect(push.flange, body.x), connect(weight.flange, body.y))
+
+    assert separate_parts(flatten(pm.elaborate(Flight()))) == ()

@@ -66,11 +66,19 @@ def _mark(start: Place, number: int, neighbours: dict[Place, list[Place]], part_
 
 
 def _ties(graph: BondGraph) -> Iterator[tuple[Place, Place]]:
-    """What belongs together: ends of bonds, a signal and what it is made of, an event and what it looks at."""
+    """What belongs together: ends of bonds, a signal and what it is made of, an event and what it looks at.
+
+    The ports of one component belong together, too: a body that flies is one thing, although its motions along x and
+    y do not act on each other.
+    """
     for bond in graph.original.bonds.values():
         yield bond.tail.owner, bond.head.owner
     for bond in graph.activated:
         yield bond.felt.parent, bond.given.parent
+    first: dict[Path, Path] = {}
+    for port, node in graph.node_ports.items():
+        if port.parent:
+            yield first.setdefault(port.parent, node.junction), node.junction
     for leaf, value in graph.signals.items():
         yield from _tied(graph, _place(graph, leaf), [value])
     for state in graph.signal_states:
