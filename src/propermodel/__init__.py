@@ -68,6 +68,7 @@ from propermodel.modelling import (
     Transformer,
     Translation,
     Updates,
+    VectorPort,
     ZeroEffort,
     ZeroFlow,
     ZeroJunction,
@@ -212,6 +213,7 @@ __all__ = [
     "Discrete",
     "State",
     "Updates",
+    "VectorPort",
     "when",
     # laws
     "Expr",

@@ -6,7 +6,15 @@ import re
 
 import pytest
 
-from tests.faults import document_cases, linear_cases, mechanism_cases, model_cases, simulation_cases, structure_cases
+from tests.faults import (
+    document_cases,
+    linear_cases,
+    mechanism_cases,
+    model_cases,
+    simulation_cases,
+    structure_cases,
+    vector_port_cases,
+)
 from tests.faults.case import Case
 
 CASES = (
@@ -16,6 +24,7 @@ CASES = (
     *document_cases.CASES,
     *linear_cases.CASES,
     *mechanism_cases.CASES,
+    *vector_port_cases.CASES,
 )
 
 

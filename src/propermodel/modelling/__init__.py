@@ -1,6 +1,6 @@
 """What an author of models imports: components, elements, signals, connections, the model as data."""
 
-from propermodel.modelling.components import Component, Parameter, Port, Table, parameter, repeat, replace
+from propermodel.modelling.components import Component, Parameter, Table, parameter, repeat, replace
 from propermodel.modelling.connections import (
     activated_bond,
     bond,
@@ -52,6 +52,7 @@ from propermodel.modelling.model import (
     ZeroEffort,
     ZeroFlow,
 )
+from propermodel.modelling.ports import Port, VectorPort
 from propermodel.modelling.signals import Controller, Discrete, Input, Output, SignalBlock, State, Updates
 from propermodel.modelling.tables import quantity, table, table_values
 
@@ -97,6 +98,7 @@ __all__ = [
     "Transformer",
     "Translation",
     "Updates",
+    "VectorPort",
     "ZeroEffort",
     "ZeroFlow",
     "ZeroJunction",

@@ -1,4 +1,4 @@
-"""How a class body becomes a component: the only module with descriptors and class hooks.
+"""How a class body becomes a component: with `ports`, the only module with descriptors and class hooks.
 
 The class body is the model. Names are taken from it; ports, parts and parameters are looked up by identity,
 so that nothing is named twice.
@@ -7,26 +7,15 @@ so that nothing is named twice.
 from __future__ import annotations
 
 import dataclasses
-import sys
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar, dataclass_transform, overload
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Self, dataclass_transform
 
-from propermodel.diagnostics import Involved, ModelError, Path, Source, UnknownNameError, one_of, portable_file
+from propermodel.diagnostics import Involved, ModelError, Path, Source, one_of
 from propermodel.expressions.core import Expr, ExprLike, SymbolKind, as_expr, lookup
 from propermodel.expressions.units import parse_unit
-from propermodel.modelling.domains import Domain
 from propermodel.modelling.model import TableValues
-from propermodel.modelling.references import Declared, reference
-
-D = TypeVar("D", bound=Domain)
-
-_OBSERVABLES = ("effort", "flow", "power", "displacement", "momentum")
-
-
-def call_site(depth: int) -> Source:
-    """The file and line of the author, `depth` frames above the caller."""
-    frame = sys._getframe(depth + 1)  # pyright: ignore[reportPrivateUsage]
-    return Source(portable_file(frame.f_code.co_filename), frame.f_lineno)
+from propermodel.modelling.ports import Port, VectorPort, member_name
+from propermodel.modelling.references import Declared, call_site, unknown_name
 
 
 class Parameter(Declared):
@@ -136,69 +125,6 @@ class TableView:
         return lookup(self.leaf, *coordinates)
 
 
-def _unknown(owner: str, name: str, known: Iterable[str]) -> AttributeError:
-    """The error for a name that a component or port does not have; Python's own look-ups get Python's own."""
-    if name.startswith("_"):
-        return AttributeError(f"{owner} has no attribute '{name}'")
-    return UnknownNameError.of(
-        "model/unknown-name", f"{owner} has no '{name}'", source=call_site(2), help=one_of(name, known)
-    )
-
-
-class Port(Generic[D]):
-    """A power port of a component; its `effort`, `flow` and `power` are observables, positive into it."""
-
-    def __init__(self, domain: type[D], *, between: tuple[Port[D], Port[D]] | None = None) -> None:
-        self.domain = domain
-        self.between = between
-        self.root: object = self
-        self.path = Path()
-        self.source = call_site(1)
-
-    @overload
-    def __get__(self, instance: None, owner: type) -> Self: ...
-    @overload
-    def __get__(self, instance: Component, owner: type) -> Self: ...
-    def __get__(self, instance: Component | None, owner: type) -> Self:
-        if instance is None:
-            return self
-        view = object.__new__(type(self))
-        view.domain, view.between, view.source = self.domain, self.between, self.source
-        view.root, view.path = instance.root, instance.path / instance.name_of(self)
-        return view
-
-    if not TYPE_CHECKING:  # a checker shall see what there is not
-
-        def __getattr__(self, name: str) -> Any:
-            raise _unknown("a power port", name, _OBSERVABLES)
-
-    @property
-    def effort(self) -> Expr:
-        """The effort at this port."""
-        return reference(SymbolKind.EFFORT, self.root, self.path / "effort", self.domain.effort_unit)
-
-    @property
-    def flow(self) -> Expr:
-        """The flow into this port."""
-        return reference(SymbolKind.FLOW, self.root, self.path / "flow", self.domain.flow_unit)
-
-    @property
-    def power(self) -> Expr:
-        """The power into this port."""
-        return reference(SymbolKind.POWER, self.root, self.path / "power", "W" if self.domain.is_true else "")
-
-    @property
-    def displacement(self) -> Expr:
-        """The displacement of the compliance at this port."""
-        unit = self.domain.displacement_unit
-        return reference(SymbolKind.DISPLACEMENT, self.root, self.path / "displacement", unit)
-
-    @property
-    def momentum(self) -> Expr:
-        """The momentum of the inertia at this port."""
-        return reference(SymbolKind.MOMENTUM, self.root, self.path / "momentum", self.domain.momentum_unit)
-
-
 class Repeated:
     """Several parts of one class: `axles = repeat(3, Axle(...))` makes `axles[0]`, `axles[1]`, `axles[2]`."""
 
@@ -232,13 +158,7 @@ class Component:
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        declarations: dict[str, Any] = {}
-        for base in reversed(cls.__mro__):
-            for name, value in vars(base).items():
-                if isinstance(value, (Parameter, Table, Port, Component, Repeated, Declared)):
-                    declarations[name] = value
-                elif name in declarations:
-                    del declarations[name]
+        declarations = _declarations(cls)
         cls.declarations = declarations
         frame = call_site(1)
         for name in declarations:
@@ -280,7 +200,7 @@ class Component:
     if not TYPE_CHECKING:  # a checker shall see what there is not
 
         def __getattr__(self, name: str) -> Any:
-            raise _unknown(type(self).__name__, name, type(self).declarations)
+            raise unknown_name(type(self).__name__, name, type(self).declarations)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"components are immutable; make a variant with replace(component, {name}=...)")
@@ -313,6 +233,38 @@ class Component:
 
 # What nothing in a class body may be called; dir() also lists the names that instances have.
 RESERVED = frozenset({*dir(Component), *Component.__annotations__})
+
+
+def _declarations(cls: type) -> dict[str, Any]:
+    """What a class declares or inherits, by name; the members of a vector port follow it."""
+    found: dict[str, Any] = {}
+    for base in reversed(cls.__mro__):
+        for name, value in vars(base).items():
+            overridden = found.get(name)
+            if isinstance(overridden, VectorPort):
+                for member in overridden.members:
+                    found.pop(member_name(name, member), None)
+            if isinstance(value, (Parameter, Table, Port, VectorPort, Component, Repeated, Declared)):
+                found[name] = value
+            elif name in found:
+                del found[name]
+            if isinstance(value, VectorPort):
+                _add_members(cls, found, name, value)
+    return found
+
+
+def _add_members(cls: type, found: dict[str, Any], name: str, vector: VectorPort) -> None:
+    """Declare the members of a vector port, unless their names are taken."""
+    for member, value in vector.members.items():
+        key = member_name(name, member)
+        if key in found or key in vars(cls):
+            raise ModelError.of(
+                "model/vector-port",
+                f"{cls.__name__} declares '{key}', and its vector port '{name}' has a member of that name",
+                source=vector.source,
+                help="give one of them another name: members of a vector port are called after it",
+            )
+        found[key] = value
 
 
 def _names(cls: type, declarations: Mapping[str, Any], site: Source) -> dict[int, str]:
@@ -349,7 +301,7 @@ def replace(component: Component, **changes: Any) -> Any:
                 help=one_of(name, component.declarations),
             )
         if isinstance(declared, Component) is not isinstance(change, Component) or isinstance(
-            declared, (Port, Repeated)
+            declared, (Port, VectorPort, Repeated)
         ):
             raise ModelError.of(
                 "model/replace",

@@ -7,16 +7,25 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, Source, one_of
+from propermodel.diagnostics import Diagnostic, Faults, Involved, ModelError, Path, one_of
 from propermodel.expressions.core import Expr, as_expr, leaves, number
 from propermodel.expressions.dimensions import DimensionMismatch, dimension_of
 from propermodel.expressions.interpret import interpret
 from propermodel.expressions.units import dimension_text, parse_unit
 from propermodel.modelling.checks import faults_of
-from propermodel.modelling.components import Component, Parameter, Port, Repeated, Table, in_unit
-from propermodel.modelling.connections import Activated, Bonded, Driven, Joined, Open, Wiring
+from propermodel.modelling.components import Component, Parameter, Repeated, Table, in_unit
+from propermodel.modelling.connections import (
+    Activated,
+    Bonded,
+    BondedVectors,
+    Driven,
+    Joined,
+    JoinedVectors,
+    Open,
+    ScalarWiring,
+    Wiring,
+)
 from propermodel.modelling.domains import DomainData
-from propermodel.modelling.elements import Junction
 from propermodel.modelling.events import discretes_of, events_of
 from propermodel.modelling.kinematics import Expansion, KinematicTransformer, expand
 from propermodel.modelling.model import (
@@ -38,8 +47,11 @@ from propermodel.modelling.model import (
     TableSpec,
     TableValues,
 )
+from propermodel.modelling.places import place_of
+from propermodel.modelling.ports import Port
 from propermodel.modelling.signals import Input, Output
 from propermodel.modelling.tracing import Tracer, trace
+from propermodel.modelling.vector_bonds import faults_of_vector_ports, scalar_wiring
 
 
 def elaborate(component: Component, *, name: str | None = None) -> Model:
@@ -113,6 +125,10 @@ class _Elaboration:
             behaviour = trace(cls, tracing)
         with self.faults.collecting():
             discretes, events = discretes_of(tracer), events_of(tracer)
+        before = len(self.faults.found)
+        connections = self.connections(cls, tracer)
+        if len(self.faults.found) == before:
+            self.faults.found.extend(faults_of_vector_ports(cls, component, connections))
         return Definition(
             type_name=cls.__name__,
             doc=(cls.__doc__ or "").strip().split("\n")[0],
@@ -132,7 +148,7 @@ class _Elaboration:
             discretes=discretes,
             events=events,
             parts=(*inside.parts, *self.parts(cls, component, tracer)),
-            connections=(*inside.connections, *self.connections(cls, tracer)),
+            connections=(*inside.connections, *connections),
             is_energy_group=cls.energy_group,
             source=cls.defined_at,
         )
@@ -253,16 +269,23 @@ class _Elaboration:
 
     def connections(self, cls: type[Component], tracer: Tracer) -> tuple[Connection, ...]:
         """The wiring of a class body as data."""
-        flat: list[Wiring] = []
+        written: list[Wiring] = []
         for item in cls.connections:
-            flat.extend(item if isinstance(item, tuple) else (item,))
+            written.extend(item if isinstance(item, tuple) else (item,))
+        flat: list[ScalarWiring] = []
+        for item in written:
+            if isinstance(item, (JoinedVectors, BondedVectors)):
+                with self.faults.collecting():
+                    flat.extend(scalar_wiring(cls, item, self.faults))
+            else:
+                flat.append(item)
         found: list[Connection] = []
         for item in flat:
             with self.faults.collecting():
                 found.append(self.connection(cls, tracer, item))
         return tuple(found)
 
-    def connection(self, cls: type[Component], tracer: Tracer, item: Wiring) -> Connection:
+    def connection(self, cls: type[Component], tracer: Tracer, item: ScalarWiring) -> Connection:
         """One connection as data."""
         match item:
             case Joined():
@@ -274,21 +297,23 @@ class _Elaboration:
                             f"a connection joins ports of different domains ({', '.join(sorted(domains))})",
                             source=item.source,
                             involved=tuple(
-                                Involved(str(_place(cls, port, item.source)), f"is {port.domain.name}", port.source)
+                                Involved(str(place_of(cls, port, item.source)), f"is {port.domain.name}", port.source)
                                 for port in item.ports
                             ),
                             help="put a transducer (transformer or gyrator) between the domains",
                         )
                     )
-                return Node(ports=tuple(_place(cls, port, item.source) for port in item.ports), source=item.source)
+                return Node(ports=tuple(place_of(cls, port, item.source) for port in item.ports), source=item.source)
             case Bonded():
-                tail, head = (_place(cls, end, item.source) for end in item.ends)
+                tail, head = (place_of(cls, end, item.source) for end in item.ends)
                 return HalfArrow(tail=tail, head=head, source=item.source)
             case Activated():
-                tail, head = (_place(cls, end, item.source) for end in item.ends)
+                tail, head = (place_of(cls, end, item.source) for end in item.ends)
                 return Activation(tail=tail, head=head, carries=item.carries, source=item.source)
             case Open():
-                return OpenPort(port=_place(cls, item.ports[0], item.source), opening=item.opening, source=item.source)
+                return OpenPort(
+                    port=place_of(cls, item.ports[0], item.source), opening=item.opening, source=item.source
+                )
             case Driven():
                 targets = tuple(tracer.local(target).data.path for target in item.targets)
                 value = tracer.resolve(item.value)
@@ -320,27 +345,6 @@ _UNITS_CURE = "check the units; write a number with its unit: quantity(1e-6, 'm3
 
 def _in_words(value: float, unit: str) -> str:
     return f"{value:g}" if unit in ("", "1") else f"{value:g} {unit}"
-
-
-def _place(cls: type[Component], item: Port[Any] | Component, source: Source) -> Path:
-    root = item.root
-    if isinstance(item, Component) and not isinstance(item, Junction):
-        raise ModelError.of(
-            "model/bond",
-            f"{cls.__name__} bonds the part '{cls.names.get(id(root), type(item).__name__)}', which is not a junction",
-            source=source,
-            help="name one of its ports",
-        )
-    name = cls.names.get(id(root))
-    if name is None:
-        raise ModelError.of(
-            "model/foreign-reference",
-            f"{cls.__name__} connects a port of something that is not one of its direct parts",
-            source=source,
-            involved=(Involved(cls.__name__, "is declared here", cls.defined_at),),
-            help="connections reach into the ports of direct parts only",
-        )
-    return Path((name,)) + item.path
 
 
 def _parameter(tracer: Tracer, name: str, declared: Parameter) -> ParameterData:

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from typing import ClassVar, TypeVar
 
 from propermodel.expressions.core import Expr, ExprLike
-from propermodel.modelling.components import Component, Port
+from propermodel.modelling.components import Component
 from propermodel.modelling.domains import Domain
 from propermodel.modelling.model import Preference
+from propermodel.modelling.ports import Port
 from propermodel.modelling.signals import State
 
 D = TypeVar("D", bound=Domain)

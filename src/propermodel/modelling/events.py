@@ -8,9 +8,9 @@ from typing import Any, cast
 
 from propermodel.diagnostics import Diagnostic, Involved, ModelError, Path, Source
 from propermodel.expressions.core import Expr, ExprLike, Op, SymbolKind, symbol
-from propermodel.modelling.components import call_site
 from propermodel.modelling.elements import ELEMENTS, Compliance, Inertia, Resistance
 from propermodel.modelling.model import Event
+from propermodel.modelling.references import call_site
 from propermodel.modelling.signals import Controller, Discrete, SignalBlock
 from propermodel.modelling.tracing import Tracer
 

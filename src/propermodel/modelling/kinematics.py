@@ -17,7 +17,7 @@ from propermodel.diagnostics import Diagnostic, Path, Source
 from propermodel.expressions.core import ZERO, Expr, Substitution, SymbolKind, constant, leaves, symbol
 from propermodel.expressions.derivatives import partial_derivatives
 from propermodel.expressions.units import parse_unit
-from propermodel.modelling.components import Component, Port
+from propermodel.modelling.components import Component
 from propermodel.modelling.model import (
     Block,
     Coordinate,
@@ -34,6 +34,7 @@ from propermodel.modelling.model import (
     SignalLink,
     TwoPort,
 )
+from propermodel.modelling.ports import Port
 from propermodel.modelling.tracing import Tracer
 
 # The part that integrates the flows of the inputs; its outputs are all displacements, by the name of the port.

@@ -6,10 +6,27 @@ the path below it; elaboration turns it into a symbol with a path.
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
 from typing import Any
 
-from propermodel.diagnostics import Path
+from propermodel.diagnostics import Path, Source, UnknownNameError, one_of, portable_file
 from propermodel.expressions.core import Expr, Op, Symbol, SymbolKind, intern_node
+
+
+def call_site(depth: int) -> Source:
+    """The file and line of the author, `depth` frames above the caller."""
+    frame = sys._getframe(depth + 1)  # pyright: ignore[reportPrivateUsage]
+    return Source(portable_file(frame.f_code.co_filename), frame.f_lineno)
+
+
+def unknown_name(owner: str, name: str, known: Iterable[str]) -> AttributeError:
+    """The error for a name that a component or port does not have; Python's own look-ups get Python's own."""
+    if name.startswith("_"):
+        return AttributeError(f"{owner} has no attribute '{name}'")
+    return UnknownNameError.of(
+        "model/unknown-name", f"{owner} has no '{name}'", source=call_site(2), help=one_of(name, known)
+    )
 
 
 class Reference(Symbol):

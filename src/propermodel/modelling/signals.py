@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from propermodel.diagnostics import Source
 from propermodel.expressions.core import ZERO, Expr, ExprLike, SymbolKind
 from propermodel.modelling.components import Component, Parameter, in_unit, parameter
+from propermodel.modelling.ports import Member, VectorPort
 from propermodel.modelling.references import Declared
 
 
@@ -18,22 +20,28 @@ class SignalPort(Declared):
         super().__init__(kind, unit)
         object.__setattr__(self, "start", in_unit(start, unit))
 
-    def __get__(self, instance: Component | None, owner: type | None = None) -> Expr:
+    def __get__(self, instance: Component | VectorPort | None, owner: type | None = None) -> Expr:
         if instance is None:
             return self
+        if isinstance(instance, VectorPort):
+            return instance.own(self)
         return self.view(instance, instance.name_of(self))
-
-
-class Input(SignalPort):
-    """A signal that a component reads."""
-
-    __slots__ = ()
 
 
 class Output(SignalPort):
     """A signal that a component gives; a controller holds it between samples, at first at `start`."""
 
     __slots__ = ()
+
+
+class Input(SignalPort, Member):
+    """A signal that a component reads."""
+
+    __slots__ = ()
+
+    def twin(self, *, gives: bool, source: Source) -> SignalPort:
+        """A signal that a vector port takes, or gives."""
+        return Output(self.unit) if gives else Input(self.unit)
 
 
 class Discrete(SignalPort):

@@ -10,8 +10,9 @@ from typing import Any, Literal
 from propermodel.diagnostics import ModelError
 from propermodel.expressions.core import Expr, constant
 from propermodel.expressions.units import dimension_text, parse_unit
-from propermodel.modelling.components import Table, call_site
+from propermodel.modelling.components import Table
 from propermodel.modelling.model import TableValues
+from propermodel.modelling.references import call_site
 
 
 def quantity(value: float, unit: str) -> Expr:

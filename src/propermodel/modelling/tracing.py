@@ -25,7 +25,7 @@ from propermodel.expressions.core import (
 from propermodel.expressions.derivatives import derivative
 from propermodel.expressions.dimensions import DimensionMismatch, dimension_of
 from propermodel.expressions.units import dimension_text, parse_unit
-from propermodel.modelling.components import Component, Port
+from propermodel.modelling.components import Component
 from propermodel.modelling.elements import (
     Compliance,
     EffortSource,
@@ -56,6 +56,7 @@ from propermodel.modelling.model import (
     TwoPort,
     Variable,
 )
+from propermodel.modelling.ports import Port
 from propermodel.modelling.references import Reference
 from propermodel.modelling.signals import Controller, Discrete, Output, SignalBlock, State
 
