@@ -8,9 +8,8 @@ one. The shortest bar goes all the way round, because shortest and longest toget
 import math
 
 import propermodel as pm
-from propermodel.library.mechanics.planar import FourBarLinkage
+from propermodel.library.mechanics.planar import FixedPoint, FourBarLinkage
 from propermodel.library.mechanics.rotation import RotatingInertia
-from propermodel.library.mechanics.translation import Fixed
 
 
 class FourBar(pm.Component):
@@ -20,13 +19,13 @@ class FourBar(pm.Component):
     coupler = RotatingInertia(inertia=0.02)
     rocker = RotatingInertia(inertia=0.05)
     loop = FourBarLinkage(crank_length=0.2, coupler_length=0.5, rocker_length=0.4, base=0.5)
-    base = Fixed()
+    base = FixedPoint()
 
     connections = (
         pm.connect(crank.shaft, loop.crank),
         pm.connect(coupler.shaft, loop.coupler),
         pm.connect(rocker.shaft, loop.rocker),
-        pm.connect(base.flange, loop.gap_x, loop.gap_y),
+        pm.connect(base.point, loop.gap),
     )
 
 

@@ -7,24 +7,23 @@ onto the constraint. Compare `pendulum` (in its angle) and `pendulum_on_a_spring
 """
 
 import propermodel as pm
-from propermodel.library.mechanics.planar import PointMass
+from propermodel.library.mechanics.planar import Point, PointMass
 from propermodel.library.mechanics.translation import Fixed
 
 
 class Rod(pm.KinematicTransformer):
     """How much farther from the origin a point is than the rod is long."""
 
-    x = pm.Port(pm.Translation)
-    y = pm.Port(pm.Translation)
+    point = Point()
     excess = pm.Port(pm.Translation)
     length: pm.Parameter = pm.parameter("m", low=0.0)
 
     def positions(self):
-        x, y = self.x.displacement, self.y.displacement
+        x, y = self.point.x.displacement, self.point.y.displacement
         return {self.excess.displacement: pm.sqrt(x * x + y * y) - self.length}
 
     def starts(self):
-        return {self.x.displacement: self.length}
+        return {self.point.x.displacement: self.length}
 
 
 class RodPendulum(pm.Component):
@@ -35,13 +34,12 @@ class RodPendulum(pm.Component):
     hinge = Fixed()
 
     connections = (
-        pm.connect(bob.x, rod.x),
-        pm.connect(bob.y, rod.y),
+        pm.connect(bob.point, rod.point),
         pm.connect(rod.excess, hinge.flange),
     )
 
 
-OUTPUTS = ("rod.displacement.x", "rod.displacement.y", "rod.excess.effort")
+OUTPUTS = ("rod.displacement.point_x", "rod.displacement.point_y", "rod.excess.effort")
 
 
 def scenario() -> pm.Scenario:

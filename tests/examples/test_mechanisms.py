@@ -16,7 +16,7 @@ from tests.examples.runs import answer
 def test_a_pendulum_on_a_rod_swings_with_the_period_of_its_angle_and_does_not_drift():
     run = answer("pendulum_on_a_rod")
     length, g = 0.5, 9.80665
-    x, y = run["rod.displacement.x"], run["rod.displacement.y"]
+    x, y = run["rod.displacement.point_x"], run["rod.displacement.point_y"]
     assert np.abs(np.hypot(x, y) - length).max() < 1e-12
     # sin(angle / 2) = k sn(w t + K): the angle of a pendulum that is let go where sin(angle / 2) = k.
     half = math.sin(math.pi / 4)

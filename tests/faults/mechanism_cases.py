@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import propermodel as pm
-from propermodel.library.mechanics.planar import FourBarLinkage, PinnedRod, PointMass
+from propermodel.library.mechanics.planar import FixedPoint, FourBarLinkage, PinnedRod, PointMass
 from propermodel.library.mechanics.rotation import RotatingInertia
 from propermodel.library.mechanics.translation import Fixed, Mass
 from tests.faults.case import Case
@@ -38,13 +38,13 @@ class FarBase(pm.Component):
     coupler = RotatingInertia(inertia=0.2)
     rocker = RotatingInertia(inertia=0.3)
     loop = FourBarLinkage(crank_length=0.2, coupler_length=0.5, rocker_length=0.4, base=3.0)
-    hinges = Fixed()
+    hinges = FixedPoint()
 
     connections = (
         pm.connect(crank.shaft, loop.crank),
         pm.connect(coupler.shaft, loop.coupler),
         pm.connect(rocker.shaft, loop.rocker),
-        pm.connect(hinges.flange, loop.gap_x, loop.gap_y),
+        pm.connect(hinges.point, loop.gap),
     )
 
 
@@ -57,8 +57,7 @@ class TwoRods(pm.Component):
     hinge = Fixed()
 
     connections = (
-        pm.connect(bob.x, rod.x, other.x),
-        pm.connect(bob.y, rod.y, other.y),
+        pm.connect(bob.point, rod.point, other.point),
         pm.connect(rod.excess, other.excess, hinge.flange),
     )
 

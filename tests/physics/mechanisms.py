@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 import propermodel as pm
-from propermodel.library.mechanics.planar import FourBarLinkage, Link, PinnedRod, PointMass, SliderCrankLinkage
+from propermodel.library.mechanics.planar import (
+    FixedPoint,
+    FourBarLinkage,
+    Link,
+    PinnedRod,
+    PointMass,
+    SliderCrankLinkage,
+)
 from propermodel.library.mechanics.rotation import RotatingInertia, TorqueSource, ViscousFriction
 from propermodel.library.mechanics.translation import Fixed, Mass
 
@@ -20,7 +27,7 @@ class CartesianPendulum(pm.Component):
     rod = PinnedRod(length=length)
     hinge = Fixed()
 
-    connections = (pm.connect(bob.x, rod.x), pm.connect(bob.y, rod.y), pm.connect(rod.excess, hinge.flange))
+    connections = (pm.connect(bob.point, rod.point), pm.connect(rod.excess, hinge.flange))
 
 
 class DoublePendulum(pm.Component):
@@ -33,10 +40,8 @@ class DoublePendulum(pm.Component):
     hinge = Fixed()
 
     connections = (
-        pm.connect(upper.x, first.x, second.x_a),
-        pm.connect(upper.y, first.y, second.y_a),
-        pm.connect(lower.x, second.x_b),
-        pm.connect(lower.y, second.y_b),
+        pm.connect(upper.point, first.point, second.a),
+        pm.connect(lower.point, second.b),
         pm.connect(hinge.flange, first.excess, second.excess),
     )
 
@@ -88,11 +93,11 @@ class FourBar(pm.Component):
     coupler = RotatingInertia(inertia=0.2)
     rocker = RotatingInertia(inertia=0.3)
     loop = FourBarLinkage(crank_length=0.2, coupler_length=0.5, rocker_length=0.4, base=0.5)
-    base = Fixed()
+    base = FixedPoint()
 
     connections = (
         pm.connect(crank.shaft, loop.crank),
         pm.connect(coupler.shaft, loop.coupler),
         pm.connect(rocker.shaft, loop.rocker),
-        pm.connect(base.flange, loop.gap_x, loop.gap_y),
+        pm.connect(base.point, loop.gap),
     )

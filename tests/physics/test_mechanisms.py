@@ -26,15 +26,15 @@ from tests.physics.systems import run
 def energy(trajectory: pm.Trajectory) -> np.ndarray:
     """Kinetic and potential energy of the pendulum's bob, J."""
     squares = trajectory["bob.along.flange.flow"] ** 2 + trajectory["bob.upward.flange.flow"] ** 2
-    return squares + 2.0 * GRAVITY * trajectory["rod.displacement.y"]
+    return squares + 2.0 * GRAVITY * trajectory["rod.displacement.point_y"]
 
 
 def test_cartesian_pendulum_swings_with_the_period_of_the_elliptic_integral() -> None:
     # Released at rest from the horizontal: T = 4 sqrt(l / g) K(sin^2(45 degrees)).
     period = 4.0 * math.sqrt(1.0 / GRAVITY) * ellipk(math.sin(math.pi / 4.0) ** 2)
     swing = run(CartesianPendulum(), period, step=1e-3, every=period / 2.0)
-    assert swing["rod.displacement.x"][1] == pytest.approx(-1.0, abs=1e-8)
-    assert swing["rod.displacement.x"][2] == pytest.approx(1.0, abs=1e-8)
+    assert swing["rod.displacement.point_x"][1] == pytest.approx(-1.0, abs=1e-8)
+    assert swing["rod.displacement.point_x"][2] == pytest.approx(1.0, abs=1e-8)
     assert abs(swing["bob.along.flange.flow"][2]) < 1e-6
 
 
@@ -48,12 +48,12 @@ def test_cartesian_pendulum_stays_on_its_circle_and_keeps_its_energy_for_100_s()
 
 def test_cartesian_pendulum_turns_over() -> None:
     # Faster than sqrt(5 g l) at the bottom it goes all the way round, through y = 0 and overhead.
-    start = {"rod.displacement.x": 0.0, "rod.displacement.y": -1.0, "bob.along.momentum": 16.0}
+    start = {"rod.displacement.point_x": 0.0, "rod.displacement.point_y": -1.0, "bob.along.momentum": 16.0}
     turning = run(CartesianPendulum(), 5.0, step=1e-3, every=0.001, initial=start)
-    angle = np.unwrap(np.arctan2(turning["rod.displacement.x"], -turning["rod.displacement.y"]))
+    angle = np.unwrap(np.arctan2(turning["rod.displacement.point_x"], -turning["rod.displacement.point_y"]))
     assert angle[-1] > 4.0 * math.pi
     assert np.all(np.diff(angle) > 0.0)
-    assert turning["rod.displacement.y"].max() == pytest.approx(1.0, abs=1e-4)
+    assert turning["rod.displacement.point_y"].max() == pytest.approx(1.0, abs=1e-4)
     assert np.ptp(energy(turning)) < 1e-7
     assert np.abs(turning["rod.displacement.excess"]).max() < 1e-12
 
@@ -179,7 +179,7 @@ def test_four_bar_does_not_drift_in_100_s() -> None:
 def test_double_pendulum_keeps_both_rods_and_its_energy() -> None:
     swing = run(DoublePendulum(), 10.0, step=5e-4, every=0.01)
     total = 0.0
-    for name, mass, y in (("upper", 2.0, "first.displacement.y"), ("lower", 1.0, "second.displacement.y_b")):
+    for name, mass, y in (("upper", 2.0, "first.displacement.point_y"), ("lower", 1.0, "second.displacement.b_y")):
         squares = swing[f"{name}.along.flange.flow"] ** 2 + swing[f"{name}.upward.flange.flow"] ** 2
         total = total + 0.5 * mass * squares + mass * GRAVITY * swing[y]
     assert np.ptp(total) < 1e-7

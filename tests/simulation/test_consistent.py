@@ -27,11 +27,11 @@ def test_scenario_keeps_its_angle_and_the_others_close_the_loop() -> None:
 
 
 def test_positions_that_contradict_each_other_all_give_way() -> None:
-    start = run(CartesianPendulum(), 1e-3, initial={"rod.displacement.x": 3.0, "rod.displacement.y": 4.0})
+    start = run(CartesianPendulum(), 1e-3, initial={"rod.displacement.point_x": 3.0, "rod.displacement.point_y": 4.0})
     # The nearest point at the distance of the rod.
-    assert start.at_start("rod.displacement.x") == pytest.approx(0.6)
-    assert start.at_start("rod.displacement.y") == pytest.approx(0.8)
-    assert "rod.displacement.x 0.6 instead of 3 m, rod.displacement.y 0.8 instead of 4 m" in start.notes[0]
+    assert start.at_start("rod.displacement.point_x") == pytest.approx(0.6)
+    assert start.at_start("rod.displacement.point_y") == pytest.approx(0.8)
+    assert "rod.displacement.point_x 0.6 instead of 3 m, rod.displacement.point_y 0.8 instead of 4 m" in start.notes[0]
 
 
 def test_momentum_along_the_rod_is_lost_as_in_an_impact() -> None:

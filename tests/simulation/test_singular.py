@@ -7,7 +7,7 @@ import pytest
 import propermodel as pm
 from propermodel.compiler import Backend
 from propermodel.diagnostics import SimulationError, parse_path
-from propermodel.library.mechanics.planar import FourBarLinkage, PinnedRod, PointMass
+from propermodel.library.mechanics.planar import FixedPoint, FourBarLinkage, PinnedRod, PointMass
 from propermodel.library.mechanics.rotation import RotatingInertia
 from propermodel.library.mechanics.translation import Fixed
 from tests.parts import Force, Lever, Mass
@@ -23,8 +23,7 @@ class TwoRods(pm.Component):
     hinge = Fixed()
 
     connections = (
-        pm.connect(bob.x, rod.x, other.x),
-        pm.connect(bob.y, rod.y, other.y),
+        pm.connect(bob.point, rod.point, other.point),
         pm.connect(rod.excess, other.excess, hinge.flange),
     )
 
@@ -44,13 +43,13 @@ class Parallelogram(pm.Component):
         start_coupler=0.0,
         start_rocker=-1.0,
     )
-    base = Fixed()
+    base = FixedPoint()
 
     connections = (
         pm.connect(crank.shaft, loop.crank),
         pm.connect(coupler.shaft, loop.coupler),
         pm.connect(rocker.shaft, loop.rocker),
-        pm.connect(base.flange, loop.gap_x, loop.gap_y),
+        pm.connect(base.point, loop.gap),
     )
 
 

@@ -9,21 +9,25 @@ Mechanisms (`linkages`) work in a frame fixed to the ground: x along, y up, angl
 from propermodel.library.mechanics.planar.components import EulerGyrator, PlanarBody, PlanarFrame, Sines
 from propermodel.library.mechanics.planar.linkages import (
     Arm,
+    FixedPoint,
     FourBarLinkage,
     Link,
     PinnedRod,
     PointMass,
     SliderCrankLinkage,
 )
+from propermodel.library.mechanics.planar.ports import Point
 
 __all__ = [
     "Arm",
     "EulerGyrator",
+    "FixedPoint",
     "FourBarLinkage",
     "Link",
     "PinnedRod",
     "PlanarBody",
     "PlanarFrame",
+    "Point",
     "PointMass",
     "Sines",
     "SliderCrankLinkage",

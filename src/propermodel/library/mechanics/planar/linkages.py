@@ -1,7 +1,8 @@
 """Mechanisms in the plane: geometry without mass, and point masses to hang on it.
 
-Angles count from the x axis towards the y axis. An output named `gap_*` or `excess` is a closure: it is displacement
-zero where the loop closes, so fix it. Hang masses on what they move: an inertia on each angle, a mass on each point.
+Angles count from the x axis towards the y axis. An output named `gap`, `gap_y` or `excess` is a closure: its
+displacement is zero where the loop closes, so fix it. Hang masses on what they move: an inertia on each angle, a mass on
+each point.
 """
 
 from __future__ import annotations
@@ -9,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from propermodel.expressions import Expr, cos, sin, sqrt
+from propermodel.library.mechanics.planar.ports import Point
 from propermodel.library.mechanics.translation.components import Mass
-from propermodel.library.mechanics.translation.sources import Weight
+from propermodel.library.mechanics.translation.sources import Fixed, Weight
 from propermodel.modelling import (
     Component,
     KinematicTransformer,
@@ -26,34 +28,42 @@ from propermodel.modelling import (
 class PointMass(Component):
     """A mass that moves in the plane under its weight, y upward."""
 
-    x = Port(Translation)
-    y = Port(Translation)
+    point = Point()
     mass: Parameter = parameter("kg", low=0.0)
 
     along = Mass(mass=mass)
     upward = Mass(mass=mass)
     weight = Weight(mass=mass)
 
-    connections = (connect(x, along.flange), connect(y, upward.flange, weight.flange))
+    connections = (connect(point.x, along.flange), connect(point.y, upward.flange, weight.flange))
+
+
+class FixedPoint(Component):
+    """A point that does not move."""
+
+    point = Point()
+
+    fixed = Fixed()
+
+    connections = (connect(fixed.flange, point.x, point.y),)
 
 
 class PinnedRod(KinematicTransformer):
     """A rod without mass between the origin and a point: how much farther than its length the point is."""
 
-    x = Port(Translation)
-    y = Port(Translation)
+    point = Point()
     excess = Port(Translation)
     length: Parameter = parameter("m", low=0.0)
     start_angle: Parameter = parameter("rad", default=0.0)
 
     def positions(self) -> Mapping[Expr, Expr]:
-        x, y = self.x.displacement, self.y.displacement
+        x, y = self.point.x.displacement, self.point.y.displacement
         return {self.excess.displacement: sqrt(x * x + y * y) - self.length}
 
     def starts(self) -> Mapping[Expr, Expr]:
         return {
-            self.x.displacement: self.length * cos(self.start_angle),
-            self.y.displacement: self.length * sin(self.start_angle),
+            self.point.x.displacement: self.length * cos(self.start_angle),
+            self.point.y.displacement: self.length * sin(self.start_angle),
         }
 
 
@@ -63,10 +73,8 @@ class Link(KinematicTransformer):
     The first point starts at the origin, the second at the length along the angle `start_angle`.
     """
 
-    x_a = Port(Translation)
-    y_a = Port(Translation)
-    x_b = Port(Translation)
-    y_b = Port(Translation)
+    a = Point()
+    b = Point()
     excess = Port(Translation)
     length: Parameter = parameter("m", low=0.0)
     start_x: Parameter = parameter("m", default=0.0)
@@ -74,16 +82,16 @@ class Link(KinematicTransformer):
     start_angle: Parameter = parameter("rad", default=0.0)
 
     def positions(self) -> Mapping[Expr, Expr]:
-        x = self.x_b.displacement - self.x_a.displacement
-        y = self.y_b.displacement - self.y_a.displacement
+        x = self.b.x.displacement - self.a.x.displacement
+        y = self.b.y.displacement - self.a.y.displacement
         return {self.excess.displacement: sqrt(x * x + y * y) - self.length}
 
     def starts(self) -> Mapping[Expr, Expr]:
         return {
-            self.x_a.displacement: self.start_x,
-            self.y_a.displacement: self.start_y,
-            self.x_b.displacement: self.start_x + self.length * cos(self.start_angle),
-            self.y_b.displacement: self.start_y + self.length * sin(self.start_angle),
+            self.a.x.displacement: self.start_x,
+            self.a.y.displacement: self.start_y,
+            self.b.x.displacement: self.start_x + self.length * cos(self.start_angle),
+            self.b.y.displacement: self.start_y + self.length * sin(self.start_angle),
         }
 
 
@@ -91,14 +99,16 @@ class Arm(KinematicTransformer):
     """The end of a bar that turns about the origin."""
 
     angle = Port(Rotation)
-    x = Port(Translation)
-    y = Port(Translation)
+    point = Point()
     length: Parameter = parameter("m", low=0.0)
     start_angle: Parameter = parameter("rad", default=0.0)
 
     def positions(self) -> Mapping[Expr, Expr]:
         angle = self.angle.displacement
-        return {self.x.displacement: self.length * cos(angle), self.y.displacement: self.length * sin(angle)}
+        return {
+            self.point.x.displacement: self.length * cos(angle),
+            self.point.y.displacement: self.length * sin(angle),
+        }
 
     def starts(self) -> Mapping[Expr, Expr]:
         return {self.angle.displacement: self.start_angle}
@@ -128,13 +138,12 @@ class SliderCrankLinkage(KinematicTransformer):
 
 
 class FourBarLinkage(KinematicTransformer):
-    """Crank, coupler and rocker between two hinges on the x axis, `base` apart; fix both gaps to close it."""
+    """Crank, coupler and rocker between two hinges on the x axis, `base` apart; fix the gap to close it."""
 
     crank = Port(Rotation)
     coupler = Port(Rotation)
     rocker = Port(Rotation)
-    gap_x = Port(Translation)
-    gap_y = Port(Translation)
+    gap = Point()
     crank_length: Parameter = parameter("m", low=0.0)
     coupler_length: Parameter = parameter("m", low=0.0)
     rocker_length: Parameter = parameter("m", low=0.0)
@@ -147,8 +156,8 @@ class FourBarLinkage(KinematicTransformer):
         crank, coupler, rocker = self.crank.displacement, self.coupler.displacement, self.rocker.displacement
         a, b, c = self.crank_length, self.coupler_length, self.rocker_length
         return {
-            self.gap_x.displacement: a * cos(crank) + b * cos(coupler) - c * cos(rocker) - self.base,
-            self.gap_y.displacement: a * sin(crank) + b * sin(coupler) - c * sin(rocker),
+            self.gap.x.displacement: a * cos(crank) + b * cos(coupler) - c * cos(rocker) - self.base,
+            self.gap.y.displacement: a * sin(crank) + b * sin(coupler) - c * sin(rocker),
         }
 
     def starts(self) -> Mapping[Expr, Expr]:
