@@ -12,7 +12,7 @@ from propermodel.library.mechanics.planar import (
     SliderCrankLinkage,
 )
 from propermodel.library.mechanics.rotation import RotatingInertia, TorqueSource, ViscousFriction
-from propermodel.library.mechanics.translation import Fixed, Mass
+from propermodel.library.mechanics.translation import Fixed, Mass, MotionSensor, Spring
 
 GRAVITY = 9.80665
 
@@ -100,4 +100,62 @@ class FourBar(pm.Component):
         pm.connect(coupler.shaft, loop.coupler),
         pm.connect(rocker.shaft, loop.rocker),
         pm.connect(base.point, loop.gap),
+    )
+
+
+class Sum(pm.KinematicTransformer):
+    """Two displacements that add up."""
+
+    first = pm.Port(pm.Translation)
+    second = pm.Port(pm.Translation)
+    total = pm.Port(pm.Translation)
+
+    def positions(self):
+        return {self.total.displacement: self.first.displacement + self.second.displacement}
+
+
+class SumWithAHeldInput(pm.Component):
+    """A mass on a spring, behind a mechanism whose other input does not move."""
+
+    total = Sum()
+    base = Fixed()
+    mass = Mass(mass=2.0, start_velocity=1.0)
+    spring = Spring(stiffness=50.0)
+    wall = Fixed()
+
+    connections = (
+        pm.connect(base.flange, total.first),
+        pm.connect(mass.flange, total.second),
+        pm.connect(total.total, spring.a),
+        pm.connect(spring.b, wall.flange),
+    )
+
+
+class Follower(pm.KinematicTransformer):
+    """The slope of x^2, with x from outside."""
+
+    x = pm.Port(pm.Translation)
+    y = pm.Port(pm.Translation)
+    place = pm.Input("m")
+    scale: pm.Parameter = pm.parameter("1/m", default=0.5)
+
+    def known(self):
+        return {self.x.displacement: self.place}
+
+    def positions(self):
+        return {self.y.displacement: self.scale * self.x.displacement * self.x.displacement}
+
+
+class MassOnParabola(pm.Component):
+    """A mass that moves in x drives another in y; a sensor tells where it is."""
+
+    mover = Mass(mass=2.0, start_velocity=1.0)
+    sensor = MotionSensor(start=0.3)
+    follower = Follower()
+    lifted = Mass(mass=3.0)
+
+    connections = (
+        pm.connect(mover.flange, sensor.flange, follower.x),
+        pm.connect(follower.y, lifted.flange),
+        pm.connect(sensor.position, follower.place),
     )

@@ -18,7 +18,9 @@ from tests.physics.mechanisms import (
     DoublePendulum,
     FourBar,
     LightRodSliderCrank,
+    MassOnParabola,
     SliderCrank,
+    SumWithAHeldInput,
 )
 from tests.physics.systems import run
 
@@ -185,3 +187,20 @@ def test_double_pendulum_keeps_both_rods_and_its_energy() -> None:
     assert np.ptp(total) < 1e-7
     assert np.abs(swing["first.displacement.excess"]).max() < 1e-9
     assert np.abs(swing["second.displacement.excess"]).max() < 1e-9
+
+
+def test_an_input_that_is_held_does_not_hold_what_the_others_move() -> None:
+    swing = run(SumWithAHeldInput(), 1.0)
+    assert swing["mass.flange.flow"] == pytest.approx(np.cos(5.0 * swing.time), abs=1e-9)
+    assert swing.compiled.system.closures == ()
+
+
+def test_a_signal_gives_the_displacement_of_an_input() -> None:
+    # Energy is kept: (m + 3 (x / 1 m)^2) v^2 / 2, with v_y = x v_x / 1 m.
+    moving = run(MassOnParabola(), 2.0)
+    x, speed = moving["sensor.position"], moving["mover.flange.flow"]
+    assert [str(state.path) for state in moving.compiled.system.states] == ["mover.momentum", "sensor.odometer.covered"]
+    start = (2.0 + 3.0 * 0.3**2) * speed[0] ** 2
+    assert (2.0 + 3.0 * x**2) * speed**2 == pytest.approx(np.full_like(x, start), rel=1e-9)
+    assert moving["lifted.flange.flow"] == pytest.approx(x * speed, abs=1e-9)
+    assert moving["follower.displacement.y"] == pytest.approx(0.5 * x * x, abs=1e-12)

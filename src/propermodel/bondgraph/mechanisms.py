@@ -24,6 +24,12 @@ def is_mechanism_output(net: Net, end: End) -> bool:
     return any(other.port == "b" and is_mechanism_output(net, other) for other in others)
 
 
+def input_is_gone(net: Net, end: End) -> bool:
+    """Whether a bond has left the output of a transformer of a mechanism whose input does not move."""
+    element = net.elements.get(end.owner)
+    return element is not None and is_mechanism_output(net, end) and not net.incident[end.owner]
+
+
 def hold(net: Net, bond: Bond, end: End) -> None:
     """Put a source of no flow in the place of a bond without flow, unless one is there."""
     if not end.port and any(_is_hold(net, other, end) for other in net.bonds_at(end.owner)):

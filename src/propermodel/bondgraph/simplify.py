@@ -11,7 +11,7 @@ from dataclasses import replace
 from itertools import islice
 
 from propermodel.bondgraph.graph import Bond, Element, End, Junction
-from propermodel.bondgraph.mechanisms import hold, is_mechanism_output
+from propermodel.bondgraph.mechanisms import hold, input_is_gone, is_mechanism_output
 from propermodel.bondgraph.net import Net
 from propermodel.diagnostics import Involved, Path, StructureError
 from propermodel.expressions.core import ZERO, is_zero
@@ -93,10 +93,11 @@ def _spread(net: Net, zero: Zero, pending: deque[Zero], removed: set[Path]) -> N
         return
     net.known_zero.setdefault(name, variable)
     bond = net.drop(name)
+    is_held = variable is Variable.FLOW and not any(input_is_gone(net, end) for end in (bond.tail, bond.head))
     for end in (bond.tail, bond.head):
         if end.owner not in net.incident:
             continue
-        if variable is Variable.FLOW and is_mechanism_output(net, end):
+        if is_held and is_mechanism_output(net, end):
             hold(net, bond, end)
         elif net.is_junction(end):
             if net.junctions[end.owner].kind.common is variable:

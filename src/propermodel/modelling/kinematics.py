@@ -45,7 +45,8 @@ class KinematicTransformer(Component):
     """A mechanism without mass: `positions()` gives the displacement of each output in those of the inputs.
 
     Power enters at the inputs and leaves at the outputs. `starts()` may give the displacements of inputs at the start;
-    the others start at zero. The displacements are the signals `displacement.<port>`; an output that is held stays
+    the others start at zero. `known()` names inputs whose displacement a signal gives; the others are integrated. The
+    displacements are the signals `displacement.<port>`; an output that is held stays
     at displacement zero, so write a closed loop such that it closes where its positions vanish.
     """
 
@@ -55,6 +56,10 @@ class KinematicTransformer(Component):
 
     def starts(self) -> Mapping[Expr, Expr]:
         """The displacement of inputs at the start, `{self.crank.displacement: ...}`."""
+        return {}
+
+    def known(self) -> Mapping[Expr, Expr]:
+        """The displacement of inputs that signals give, `{self.x.displacement: self.position}`."""
         return {}
 
 
@@ -81,8 +86,9 @@ class _Geometry:
         given = _by_port(tracer, "positions")
         self.outputs = tuple(name for name in tracer.ports if name in given)
         self.inputs = tuple(name for name in tracer.ports if name not in given)
+        self.known = _by_port(tracer, "known")
         own = {name: _displacement(name, port) for name, port in tracer.ports.items()}
-        self.at_state = Substitution({own[n]: _state(n, tracer.ports[n]) for n in self.inputs})
+        self.at_state = Substitution({own[n]: self.coordinate(n) for n in self.inputs})
         self.positions = {name: given[name] for name in self.outputs}
         self.starts = _by_port(tracer, "starts")
         symbols = [own[name] for name in self.inputs]
@@ -94,6 +100,18 @@ class _Geometry:
             if own[i] in slope
         }
         self._check(tracer, own)
+
+    @property
+    def integrated(self) -> tuple[str, ...]:
+        """The inputs whose displacement no signal gives."""
+        return tuple(name for name in self.inputs if name not in self.known)
+
+    def coordinate(self, name: str) -> Expr:
+        """The displacement of an input, as the integrator knows it: a state of it, or a signal that it reads."""
+        port = self.ports[name]
+        if name in self.known:
+            return symbol(SymbolKind.SIGNAL, Path((known_name(name),)), port.domain.displacement_unit)
+        return _state(name, port)
 
     def _check(self, tracer: Tracer, own: Mapping[str, Expr]) -> None:
         """Report outputs in terms of outputs, and what does not depend on any input."""
@@ -112,12 +130,13 @@ class _Geometry:
                     )
                 )
         idle = [i for i in self.inputs if not any((i, o) in self.slopes for o in self.outputs)]
-        wrong = [name for name in self.starts if name not in self.inputs]
+        wrong = [name for name in (*self.starts, *self.known) if name not in self.inputs]
+        wrong += [name for name in self.starts if name in self.known]
         if not tracer.faults.found and (idle or wrong or not self.outputs):
             reason = (
                 f"the input '{idle[0]}' moves no output"
                 if idle
-                else f"'{wrong[0]}' has a start although it is an output"
+                else f"'{wrong[0]}' has a start or a known displacement although positions() or known() gives it"
                 if wrong
                 else "it has no outputs"
             )
@@ -126,7 +145,7 @@ class _Geometry:
                     "model/positions",
                     f"the geometry of {tracer.cls.__name__} is incomplete: {reason}",
                     source=tracer.place("positions"),
-                    help="positions() gives the outputs, starts() the displacements of inputs only",
+                    help="positions() gives the outputs; of an input either starts() or known() gives the displacement",
                 )
             )
 
@@ -200,20 +219,24 @@ class _Expanding:
     def motion(self) -> None:
         """The integrator of the inputs, which also gives the positions of the outputs and the slopes."""
         geometry = self.geometry
-        outputs = [(n, _state(n, self.ports[n]), self.unit(n)) for n in geometry.inputs]
+        integrated = geometry.integrated
+        outputs = [(n, geometry.coordinate(n), self.unit(n)) for n in geometry.inputs]
         outputs += [(n, geometry.at_state(geometry.positions[n]), self.unit(n)) for n in geometry.outputs]
         outputs += [
             (slope_name(i, o), geometry.at_state(slope), _quotient(self.unit(o), self.unit(i)))
             for (i, o), slope in geometry.slopes.items()
         ]
-        flows = [(f"{n}_flow", self.ports[n].domain.flow_unit) for n in geometry.inputs]
+        flows = [(f"{n}_flow", self.ports[n].domain.flow_unit) for n in integrated]
         infinity = constant(float("inf"))
         coordinates = tuple(
             Coordinate(name=n, unit=self.unit(n), start=geometry.starts.get(n, ZERO), low=-infinity, high=infinity)
-            for n in geometry.inputs
+            for n in integrated
         )
         signals = [SignalData(name=n, unit=u, direction=Direction.OUTPUT) for n, _, u in outputs]
         signals += [SignalData(name=n, unit=u, direction=Direction.INPUT) for n, u in flows]
+        signals += [
+            SignalData(name=known_name(n), unit=self.unit(n), direction=Direction.INPUT) for n in geometry.known
+        ]
         definition = Definition(
             type_name="Displacements",
             doc="The displacements of the inputs, and what follows from them.",
@@ -224,7 +247,7 @@ class _Expanding:
                 states=coordinates,
                 derivatives=tuple(
                     (n, symbol(SymbolKind.SIGNAL, Path((flow,)), unit))
-                    for n, (flow, unit) in zip(geometry.inputs, flows, strict=True)
+                    for n, (flow, unit) in zip(integrated, flows, strict=True)
                 ),
             ),
             source=self.source,
@@ -233,7 +256,9 @@ class _Expanding:
             (data.name, symbol(SymbolKind.PARAMETER, Path((data.name,)), data.unit)) for data in self.parameters
         )
         self.parts.append(Part(name=MOTION, definition=definition, values=values))
-        for name, (flow, unit) in zip(geometry.inputs, flows, strict=True):
+        for name, value in geometry.known.items():
+            self.link(value, Path((MOTION, known_name(name))))
+        for name, (flow, unit) in zip(integrated, flows, strict=True):
             value = symbol(SymbolKind.FLOW, Path((name, "flow")), unit)
             self.link(value, Path((MOTION, flow)))
 
@@ -270,6 +295,11 @@ class _Expanding:
         self.arrow(Path((name, "b")), Path((f"at_{o}",)))
 
 
+def known_name(name: str) -> str:
+    """The signal that gives the displacement of an input from outside."""
+    return f"{name}_known"
+
+
 def slope_name(i: str, o: str) -> str:
     """The signal that holds the derivative of an output's displacement with respect to an input's."""
     return f"{o}_per_{i}"
@@ -282,4 +312,4 @@ def _quotient(above: str, below: str) -> str:
     return f"{above}/{below}" if below.isalnum() else f"{above}/({below})"
 
 
-__all__ = ["MOTION", "Expansion", "KinematicTransformer", "expand", "slope_name"]
+__all__ = ["MOTION", "Expansion", "KinematicTransformer", "expand", "known_name", "slope_name"]
