@@ -1,8 +1,8 @@
 """Mechanisms in the plane: geometry without mass, and point masses to hang on it.
 
 Angles count from the x axis towards the y axis. An output named `gap`, `gap_y` or `excess` is a closure: its
-displacement is zero where the loop closes, so fix it. Hang masses on what they move: an inertia on each angle, a mass on
-each point.
+displacement is zero where the loop closes, so fix it. Hang masses on what they move: an inertia on each angle, a mass
+on each point.
 """
 
 from __future__ import annotations
@@ -43,9 +43,10 @@ class FixedPoint(Component):
 
     point = Point()
 
-    fixed = Fixed()
+    along = Fixed()
+    upward = Fixed()
 
-    connections = (connect(fixed.flange, point.x, point.y),)
+    connections = (connect(along.flange, point.x), connect(upward.flange, point.y))
 
 
 class PinnedRod(KinematicTransformer):
