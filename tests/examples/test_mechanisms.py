@@ -110,3 +110,27 @@ def test_a_four_bar_linkage_by_lagranges_equation_in_the_crank_angle():
     coupler, rocker = np.array([slopes(q) for q in angle]).T * speed
     np.testing.assert_allclose(run["coupler.shaft.flow"], coupler, atol=1e-8)
     np.testing.assert_allclose(run["rocker.shaft.flow"], rocker, atol=1e-8)
+
+
+def test_a_double_pendulum_by_lagranges_equations_in_its_angles():
+    run = answer("double_pendulum")
+    a, b, m, n, g = 0.8, 0.6, 2.0, 1.0, 9.80665
+
+    def rates(t, y):
+        p, q, wp, wq = y
+        across, along = n * a * b * math.cos(p - q), n * a * b * math.sin(p - q)
+        matrix = [[0.02 + (m + n) * a * a, across], [across, 0.01 + n * b * b]]
+        right = [-along * wq**2 - (m + n) * g * a * math.cos(p), along * wp**2 - n * g * b * math.cos(q)]
+        return [wp, wq, *np.linalg.solve(matrix, right)]
+
+    upper, lower, upper_speed, lower_speed = solve_ivp(
+        rates, (0.0, 4.0), [1.6, 1.5, 0.0, 0.0], "DOP853", run.time, rtol=1e-12, atol=1e-12
+    ).y
+    np.testing.assert_allclose(run["shoulder.angle"], upper, atol=1e-6)
+    np.testing.assert_allclose(run["shoulder.angle"] + run["elbow.angle"], lower, atol=1e-6)
+    assert np.ptp(run["elbow.angle"]) > 2 * math.pi  # the forearm goes round
+    # The ceiling carries the weight and what accelerates both bodies upwards.
+    bends = np.array([rates(0.0, y)[2:] for y in zip(upper, lower, upper_speed, lower_speed, strict=True)]).T
+    force = (m + n) * (g + a * (np.cos(upper) * bends[0] - np.sin(upper) * upper_speed**2))
+    force += n * b * (np.cos(lower) * bends[1] - np.sin(lower) * lower_speed**2)
+    np.testing.assert_allclose(np.abs(run["ceiling.frame_y.effort"]), np.abs(force), atol=1e-4)
