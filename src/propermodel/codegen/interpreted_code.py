@@ -12,7 +12,7 @@ import numpy as np
 from propermodel.codegen.machine import Failure, FloatArray, IntArray, Memory, Status
 from propermodel.codegen.numeric import Number, choose, interpolate, newton, operation_of
 from propermodel.codegen.program import Array, Extrapolation, Function, ImplicitStep, Program, Solve
-from propermodel.codegen.schedule import Call, Compute, Item, Store, leaf_slot, sequence
+from propermodel.codegen.schedule import Call, Item, Store, leaf_slot, sequence
 from propermodel.codegen.tables import prepare_tables
 from propermodel.expressions.core import Expr, Op
 
@@ -76,8 +76,8 @@ class Code:
         self._items: list[Item] = sequence(function, numbers, lambda _: False)
         self._operations: dict[Expr, Callable[[Working, dict[Expr, Number]], Number]] = {}
         for item in self._items:
-            if isinstance(item, Compute):
-                self._prepare(item.node)
+            if isinstance(item, Expr):
+                self._prepare(item)
             elif isinstance(item, Call):
                 for node in item.inner:
                     self._prepare(node)
@@ -87,8 +87,8 @@ class Code:
         values: dict[Expr, Number] = {}
         stores: list[tuple[FloatArray, int, Number]] = []
         for item in self._items:
-            if isinstance(item, Compute):
-                values[item.node] = self._operations[item.node](run, values)
+            if isinstance(item, Expr):
+                values[item] = self._operations[item](run, values)
             elif isinstance(item, Store):
                 value = self._number(run, values, item.value)
                 stores.append((run.arrays[item.slot.array], item.slot.index, value))

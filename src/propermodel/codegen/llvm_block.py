@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from propermodel.codegen.llvm_math import call_math, call_power
 from propermodel.codegen.llvm_tables import TableText
@@ -14,8 +14,7 @@ from propermodel.codegen.schedule import leaf_slot, power_plan, whole_power
 from propermodel.expressions.core import Expr, Op
 
 
-@dataclass(frozen=True, slots=True)
-class Value:
+class Value(NamedTuple):
     """An LLVM value: a number or a truth, one per lane or (uniform) one for all."""
 
     text: str
@@ -88,6 +87,8 @@ class Block:
 
     def _fitted(self, value: Value, text: Text) -> str:
         """A value as numbers of the text's shape."""
+        if not (value.is_truth or value.is_uniform):
+            return value.text
         if value.is_truth:
             own = self._scalar if value.is_uniform else self.text
             number = own.choose(value.text, own.constant(1.0), own.constant(0.0))
@@ -107,6 +108,9 @@ class Block:
 
     def _operation(self, node: Expr, args: list[Value], text: Text) -> str:
         op = node.op
+        if op in _ARITHMETIC:
+            first, second = (self._fitted(arg, text) for arg in args)
+            return text.emit(f"{_ARITHMETIC[op]} {text.kind} {first}, {second}")
         if op in _LOGIC:
             first, second = (self._truth(arg, text) for arg in args)
             return text.emit(f"{_LOGIC[op]} {text.shape.truth} {first}, {second}")
@@ -116,8 +120,6 @@ class Block:
             condition = self._truth(args[0], text)
             return text.choose(condition, *(self._fitted(arg, text) for arg in args[1:]))
         numbers = [self._fitted(arg, text) for arg in args]
-        if op in _ARITHMETIC:
-            return text.emit(f"{_ARITHMETIC[op]} {text.kind} {numbers[0]}, {numbers[1]}")
         if op in _COMPARISON:
             return text.compare(_COMPARISON[op], *numbers)
         if op in _CHOICE:

@@ -12,7 +12,6 @@ from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Module
 from propermodel.codegen.program import Array, Function, Program
 from propermodel.codegen.schedule import (
     Call,
-    Compute,
     Level,
     Order,
     Store,
@@ -36,7 +35,7 @@ class StoreRow:
     value: Expr
 
 
-Item = Compute | StoreRow | Call
+Item = Expr | StoreRow | Call
 
 
 @dataclass
@@ -88,7 +87,7 @@ class Writer:
         order = Order(known.__contains__)
         items: list[Item] = []
         for node in nodes:
-            items.extend(Compute(new) for new in order.new_below(node))
+            items.extend(order.new_below(node))
             self.kept[level][node] = row = self.module.frame.new_row()
             items.append(StoreRow(row, node))
         self.write(name, items, known)
@@ -135,13 +134,13 @@ class Writer:
     def _cut(self, items: list[Item]) -> list[Piece]:
         pieces = [Piece()]
         for item in items:
-            weight = 1
-            if isinstance(item, Compute):
-                weight = _WEIGHTS.get(item.node.op, 1)
-            if pieces[-1].weight + weight > self.most_instructions and pieces[-1].items:
-                pieces.append(Piece())
-            pieces[-1].items.append(item)
-            pieces[-1].weight += weight
+            weight = _WEIGHTS.get(item.op, 1) if isinstance(item, Expr) else 1
+            piece = pieces[-1]
+            if piece.weight + weight > self.most_instructions and piece.items:
+                piece = Piece()
+                pieces.append(piece)
+            piece.items.append(item)
+            piece.weight += weight
         return pieces
 
     def _crossing(self, pieces: list[Piece]) -> dict[Expr, int]:
@@ -155,9 +154,9 @@ class Writer:
 
         for k, piece in enumerate(pieces):
             for item in (*piece.items, *piece.late):
-                if isinstance(item, Compute):
-                    home[item.node] = k
-                    use(item.node.args, k)
+                if isinstance(item, Expr):
+                    home[item] = k
+                    use(item.args, k)
                 elif isinstance(item, StoreRow):
                     use((item.value,), k)
                 else:
@@ -168,10 +167,10 @@ class Writer:
         block = Block(self.module, rows)
         text = block.text
         for item in piece.items:
-            if isinstance(item, Compute):
-                block.compute(item.node)
-                if item.node in rows:
-                    text.store_row(rows[item.node], block.number(item.node))
+            if isinstance(item, Expr):
+                block.compute(item)
+                if item in rows:
+                    text.store_row(rows[item], block.number(item))
             elif isinstance(item, StoreRow):
                 text.store_row(item.row, block.number(item.value))
             else:
@@ -188,7 +187,7 @@ class Writer:
         solve = call.solve
         size = len(solve.unknowns)
         trial, residual, jacobian = (frame.regions[region] for region in ("trial", "residual", "jacobian"))
-        items: list[Item] = [Compute(node) for node in call.inner]
+        items: list[Item] = [*call.inner]
         items += [StoreRow(residual + i, root) for i, root in enumerate(solve.residuals)]
         items += [
             StoreRow(jacobian + size * i + j, entry)
@@ -199,7 +198,7 @@ class Writer:
         self.write(f"{name}.residual", items, {**rows, **at_trial})
         if not call.is_affine:
             needed = set(postorder(solve.residuals))
-            alone: list[Item] = [Compute(node) for node in call.inner if node in needed]
+            alone: list[Item] = [node for node in call.inner if node in needed]
             alone += [StoreRow(residual + i, root) for i, root in enumerate(solve.residuals)]
             self.write(f"{name}.check", alone, {**rows, **at_trial})
         write_newton(self.module, name, call)

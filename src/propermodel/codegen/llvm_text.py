@@ -12,6 +12,7 @@ import struct
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import count
 
 from propermodel.codegen.program import Array, Layout
@@ -28,22 +29,22 @@ class Shape:
 
     lanes: int
 
-    @property
+    @cached_property
     def number(self) -> str:
         """The type of numbers."""
         return "double" if self.lanes == 1 else f"<{self.lanes} x double>"
 
-    @property
+    @cached_property
     def truth(self) -> str:
         """The type of conditions."""
         return "i1" if self.lanes == 1 else f"<{self.lanes} x i1>"
 
-    @property
+    @cached_property
     def suffix(self) -> str:
         """The type in names of intrinsics."""
         return "f64" if self.lanes == 1 else f"v{self.lanes}f64"
 
-    @property
+    @cached_property
     def alignment(self) -> int:
         """The alignment of a row in bytes."""
         size = 8 * self.lanes
@@ -127,6 +128,7 @@ class Text:
         self.module = module
         self.frame = module.frame
         self.shape = shape or module.frame.shape
+        self.kind = self.shape.number  # the type of numbers
         self.lines: list[str] = []
         self._addresses: dict[int, str] = {}
         self._numbers = count(1)
@@ -135,6 +137,7 @@ class Text:
         """The same text, written to with values of another shape."""
         other = copy(self)
         other.shape = shape
+        other.kind = shape.number
         return other
 
     def name(self) -> str:
@@ -143,7 +146,7 @@ class Text:
 
     def emit(self, operation: str) -> str:
         """Add an instruction with a result; returns the result's name."""
-        name = self.name()
+        name = f"%v{next(self._numbers)}"
         self.lines.append(f"  {name} = {operation}")
         return name
 
@@ -157,22 +160,19 @@ class Text:
 
     def address(self, row: int) -> str:
         """The pointer to a row; in a function with branches ask first in its entry block."""
-        if row not in self._addresses:
-            self._addresses[row] = self.emit(f"getelementptr inbounds i8, ptr %w, i64 {self.frame.offset(row)}")
-        return self._addresses[row]
+        known = self._addresses.get(row)
+        if known is None:
+            known = self.emit(f"getelementptr inbounds i8, ptr %w, i64 {self.frame.offset(row)}")
+            self._addresses[row] = known
+        return known
 
     def load_row(self, row: int) -> str:
         """The numbers of a row."""
-        return self.emit(f"load {self.shape.number}, ptr {self.address(row)}, align {self.shape.alignment}")
+        return self.emit(f"load {self.kind}, ptr {self.address(row)}, align {self.shape.alignment}")
 
     def store_row(self, row: int, text: str) -> None:
         """Write the numbers of a row."""
-        self.do(f"store {self.shape.number} {text}, ptr {self.address(row)}, align {self.shape.alignment}")
-
-    @property
-    def kind(self) -> str:
-        """The type of numbers."""
-        return self.shape.number
+        self.do(f"store {self.kind} {text}, ptr {self.address(row)}, align {self.shape.alignment}")
 
     def subtract_product(self, a: str, b: str, c: str) -> str:
         """The value a - b c."""

@@ -10,7 +10,7 @@ from collections import Counter
 from dataclasses import replace
 
 from propermodel.codegen.program import Assign, Function, ImplicitStep, Program, Solve
-from propermodel.codegen.schedule import Level, is_leaf, node_levels, nodes_of
+from propermodel.codegen.schedule import Level, is_leaf, node_levels
 from propermodel.expressions.core import ONE, Expr, Op, constant, intern_node
 
 # About how many cycles pass until a result is ready; everything else takes `_SHORT`.
@@ -32,11 +32,11 @@ _SHORT = 4
 def with_reciprocals(program: Program) -> Program:
     """The program with such divisions replaced."""
     functions = program.functions
-    done = _Rewriting(nodes_of(functions), node_levels(functions, program.layout)).done
+    done = _Rewriting(node_levels(functions, program.layout)).done
 
     def replaced(step: Assign | Solve) -> Assign | Solve:
         if isinstance(step, Assign):
-            return replace(step, value=done[step.value])
+            return Assign(step.slot, done[step.value])
         return replace(
             step,
             residuals=tuple(done[item] for item in step.residuals),
@@ -65,12 +65,12 @@ def with_reciprocals(program: Program) -> Program:
 
 
 class _Rewriting:
-    def __init__(self, nodes: list[Expr], levels: dict[Expr, Level]) -> None:
+    def __init__(self, levels: dict[Expr, Level]) -> None:
         self.done: dict[Expr, Expr] = {}
         self._levels = levels
-        self._uses = Counter(node.args[1] for node in nodes if node.op is Op.DIVIDE)
+        self._uses = Counter(node.args[1] for node in levels if node.op is Op.DIVIDE)
         self._ready: dict[Expr, int] = {}
-        for node in nodes:
+        for node in levels:
             begin = max((self._ready[arg] for arg in node.args), default=0)
             self._ready[node] = begin + (0 if is_leaf(node) else _LATENCIES.get(node.op, _SHORT))
             self.done[node] = self._replaced(node, tuple(self.done[arg] for arg in node.args))

@@ -28,13 +28,6 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Compute:
-    """Compute one node that is neither a leaf nor known from elsewhere."""
-
-    node: Expr
-
-
-@dataclass(frozen=True, slots=True)
 class Store:
     """Store the value of a node, known by then, in a slot."""
 
@@ -53,7 +46,8 @@ class Call:
     is_affine: bool  # one correction is exact
 
 
-Item = Compute | Store | Call
+# A node that is neither a leaf nor known from elsewhere is to be computed.
+Item = Expr | Store | Call
 
 
 class Level(IntEnum):
@@ -112,12 +106,12 @@ def sequence(function: Function, numbers: dict[Solve, int], known: Callable[[Exp
     items: list[Item] = []
     for step in function.steps:
         if isinstance(step, Assign):
-            items.extend(Compute(node) for node in order.new_below(step.value))
+            items.extend(order.new_below(step.value))
             items.append(Store(step.slot, step.value))
         else:
             call = _call(step, numbers[step], known)
             for capture in call.captures:
-                items.extend(Compute(node) for node in order.new_below(capture))
+                items.extend(order.new_below(capture))
             items.append(call)
     return items
 
@@ -196,7 +190,7 @@ def nodes_of(functions: Iterable[Function]) -> list[Expr]:
 
 
 def node_levels(functions: Iterable[Function], layout: Layout) -> dict[Expr, Level]:
-    """How often each node of some functions can change."""
+    """How often each node of some functions can change, arguments first."""
     levels: dict[Expr, Level] = {}
     for node in nodes_of(functions):
         if not is_leaf(node):
@@ -209,11 +203,13 @@ def node_levels(functions: Iterable[Function], layout: Layout) -> dict[Expr, Lev
 
 
 def frontier(functions: Iterable[Function], levels: dict[Expr, Level]) -> list[Expr]:
-    """The computed nodes below `STEP` that are used by nodes at `STEP`, or stored: what is worth keeping."""
-    functions = list(functions)
+    """The computed nodes below `STEP` that are used by nodes at `STEP`, or stored: what is worth keeping.
+
+    `levels` has the nodes of these functions.
+    """
     used = dict.fromkeys(root for function in functions for root in roots_of(function))
-    for node in nodes_of(functions):
-        if levels[node] is Level.STEP:
+    for node, level in levels.items():
+        if level is Level.STEP:
             used.update((arg, None) for arg in node.args)
     return [node for node in used if not is_leaf(node) and levels[node] < Level.STEP]
 
