@@ -124,6 +124,10 @@ def _collection_later() -> Generator[None, None, None]:
         yield
     finally:
         if was_enabled:
+            if not gc.get_freeze_count():
+                # What has been made counts as old at once, rather than after it has been searched three times.
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()
 
 

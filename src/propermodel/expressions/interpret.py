@@ -78,11 +78,12 @@ def interpret(expr: Expr, values: Mapping[Expr, float] | None = None) -> float:
 
 def interpret_all(exprs: Sequence[Expr], values: Mapping[Expr, float] | None = None) -> list[float]:
     """The values of several expressions that share parts."""
-    known: dict[Expr, float] = dict(values or {})
+    given = {} if values is None else values
+    known: dict[Expr, float] = {}
     for node in postorder(exprs):
-        if node in known:
-            continue
-        if node.op is Op.CONSTANT:
+        if node in given:
+            known[node] = given[node]
+        elif node.op is Op.CONSTANT:
             known[node] = node.data[0]
         elif node.op in FUNCTIONS:
             known[node] = _apply(node.op, [known[arg] for arg in node.args])
