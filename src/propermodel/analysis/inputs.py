@@ -14,7 +14,6 @@ from propermodel.codegen.machine import Memory, TableData
 from propermodel.codegen.program import Array, Assign
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
-from propermodel.equations.definitions import Variables
 from propermodel.equations.formulate import formulate
 from propermodel.equations.system import EquationSystem
 from propermodel.expressions.core import TIME, ZERO, Expr, SymbolKind, is_zero, leaves, lookup, slope, symbol
@@ -122,7 +121,7 @@ class _Source:
 def _sources(compiled: CompiledModel) -> dict[Path, _Source]:
     """The sources that no input of the scenario drives directly, by element."""
     graph = compiled.graph
-    variables = Variables(graph)
+    variables = graph.variables
     at = graph.normal.at()
     inputs = {table.symbol for table in graph.tables.values() if table.is_input}
     found: dict[Path, _Source] = {}

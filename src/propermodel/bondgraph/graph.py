@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from propermodel.diagnostics import NO_SOURCE, Path, Source
-from propermodel.expressions.core import Expr
+from propermodel.expressions.core import Expr, SymbolKind, symbol
 from propermodel.modelling.model import (
     Coordinate,
     DomainData,
@@ -221,6 +222,11 @@ class BondGraph:
         felt, given = self.original.bonds[bond.felt], self.original.bonds[bond.given]
         return f"{felt.tail.path} => {given.head.path}  (activated: {self.word(felt, bond.carries)} only)"
 
+    @cached_property
+    def variables(self) -> Variables:
+        """The symbols of efforts and flows."""
+        return Variables(self)
+
     def __str__(self) -> str:
         lines = [f"bond graph of {self.model.name}: {len(self.normal.elements)} elements, "]
         lines[0] += f"{len(self.normal.junctions)} junctions, {len(self.normal.bonds)} bonds"
@@ -229,3 +235,26 @@ class BondGraph:
         lines.extend(f"  {b.tail.path} -> {b.head.path}" for b in self.normal.bonds.values() if b.name not in ends)
         lines.extend(f"  {self.activation_text(bond)}" for bond in self.activated)
         return "\n".join(lines)
+
+
+class Variables:
+    """The symbols of efforts and flows of bonds, each made once."""
+
+    def __init__(self, graph: BondGraph) -> None:
+        self.graph = graph
+        self._known: dict[tuple[Path, Variable], Expr] = {}
+
+    def of(self, bond: Bond, variable: Variable) -> Expr:
+        """The symbol of a bond's effort or flow."""
+        key = (bond.name, variable)
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = self._symbol(bond, variable)
+        return found
+
+    def _symbol(self, bond: Bond, variable: Variable) -> Expr:
+        domain = self.graph.domains.get(bond.domain)
+        is_effort = variable is Variable.EFFORT
+        kind = SymbolKind.EFFORT if is_effort else SymbolKind.FLOW
+        unit = "" if domain is None else domain.effort_unit if is_effort else domain.flow_unit
+        return symbol(kind, bond.name / variable.value, unit)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from propermodel.bondgraph.graph import ElementBehaviour, FlatEvent, SampledController
 from propermodel.diagnostics import Path, Source
-from propermodel.expressions.core import Expr, Substitution, SymbolKind, leaves, symbol
+from propermodel.expressions.core import Expr, Op, Substitution, SymbolKind, leaves, symbol
 from propermodel.modelling.model import (
     Behaviour,
     Coordinate,
@@ -26,17 +26,23 @@ class Scope:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._absolute: dict[Expr, Expr] = {}
 
     def __call__(self, expr: Expr) -> Expr:
         """The expression in absolute symbols."""
+        if not expr.args:
+            return expr if expr.op is Op.CONSTANT else self.absolute(expr)
         return Substitution({leaf: self.absolute(leaf) for leaf in leaves(expr)})(expr)
 
     def absolute(self, leaf: Expr) -> Expr:
         """A symbol of the definition as seen from the root."""
-        data = leaf.data
-        if data.kind is SymbolKind.TIME:
-            return leaf
-        return symbol(data.kind, self.path + data.path, data.unit)
+        known = self._absolute.get(leaf)
+        if known is None:
+            data = leaf.data
+            is_time = data.kind is SymbolKind.TIME
+            known = leaf if is_time else symbol(data.kind, self.path + data.path, data.unit)
+            self._absolute[leaf] = known
+        return known
 
     def own(self, kind: SymbolKind, name: str, definition: Definition) -> Expr | None:
         """The symbol of an output of this part, None if it has no such output."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propermodel.bondgraph.graph import BondGraph, SampledController
+from propermodel.bondgraph.graph import BondGraph, SampledController, Variables
 from propermodel.bondgraph.pseudo import pseudo_elements
 from propermodel.codegen.program import (
     Array,
@@ -24,7 +24,7 @@ from propermodel.codegen.program import (
 )
 from propermodel.diagnostics import Path
 from propermodel.equations.corrections import Correction, corrections_of
-from propermodel.equations.definitions import Variables, sign_at
+from propermodel.equations.definitions import sign_at
 from propermodel.equations.system import EquationSystem, Impacts, ImplicitBlock, StateKind
 from propermodel.expressions.core import (
     ONE,
@@ -85,8 +85,9 @@ class Lowered:
 def lower(system: EquationSystem) -> Lowered:
     """The program of an equation system."""
     graph = system.causal.graph
+    variables = graph.variables
     modulations = (PowerEntry(m.element / "modulation", "modulation", m.power) for m in system.modulations)
-    powers = (*_bond_powers(system), *_row_powers(system), *modulations)
+    powers = (*_bond_powers(system, variables), *_row_powers(system, variables), *modulations)
     observables, signals = _signals(system)
     roots = [state.derivative for state in system.states]
     roots += [e.value for e in powers] + signals
@@ -188,6 +189,8 @@ def _assignments(array: Array, values: Iterable[Expr]) -> list[Assign]:
 
 def _function(name: str, system: EquationSystem, assigns: list[Assign]) -> Function:
     """A function with the implicit blocks that its values need, in order."""
+    if not system.blocks:
+        return Function(name, tuple(assigns))
     needed: set[ImplicitBlock] = set()
     owner = {u: block for block in system.blocks for u in block.unknowns}
     pending = [a.value for a in assigns]
@@ -238,9 +241,8 @@ def _solve(block: ImplicitBlock | Correction | Impacts) -> Solve:
     )
 
 
-def _bond_powers(system: EquationSystem) -> tuple[PowerEntry, ...]:
+def _bond_powers(system: EquationSystem, variables: Variables) -> tuple[PowerEntry, ...]:
     graph = system.causal.graph
-    variables = Variables(graph)
     return tuple(
         PowerEntry(
             bond.name,
@@ -251,9 +253,8 @@ def _bond_powers(system: EquationSystem) -> tuple[PowerEntry, ...]:
     )
 
 
-def _row_powers(system: EquationSystem) -> tuple[PowerEntry, ...]:
+def _row_powers(system: EquationSystem, variables: Variables) -> tuple[PowerEntry, ...]:
     graph = system.causal.graph
-    variables = Variables(graph)
     found: list[PowerEntry] = []
     for row in system.rows:
         if len(row.bonds) < 2:
@@ -305,6 +306,9 @@ def _signals(system: EquationSystem) -> tuple[dict[Path, Observable], list[Expr]
         found.setdefault(path, Observable(index[value], unit))
 
     states = {s.symbol for s in system.states}
+    open_leaves = {
+        leaf for leaf in leaves(*system.values.values()) if leaf.data.kind not in _GIVEN and leaf not in states
+    }
     for state in system.states:
         offer(state.path, state.symbol, state.unit)
     for held, _ in system.causal.graph.held:
@@ -313,16 +317,12 @@ def _signals(system: EquationSystem) -> tuple[dict[Path, Observable], list[Expr]
     for stored in system.energies:
         offer(stored.element / "energy", stored.energy, "" if stored.element in pseudo else "J")
     for leaf, value in system.values.items():
-        if leaf.data.kind is not SymbolKind.POWER and _is_complete(value, states):
+        if leaf.data.kind is not SymbolKind.POWER and not (open_leaves and open_leaves.intersection(leaves(value))):
             offer(leaf.data.path, value, leaf.data.unit)
     return found, values
 
 
 _GIVEN = frozenset({SymbolKind.TIME, SymbolKind.PARAMETER, SymbolKind.TABLE, SymbolKind.DISCRETE, SymbolKind.UNKNOWN})
-
-
-def _is_complete(value: Expr, states: set[Expr]) -> bool:
-    return all(leaf.data.kind in _GIVEN or leaf in states for leaf in leaves(value))
 
 
 def _layout(

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from propermodel.bondgraph.graph import Bond, Element
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.closures import closures, is_mechanism
-from propermodel.equations.definitions import Definitions, Variables, sign_at
+from propermodel.equations.definitions import Definitions, sign_at
 from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution
 from propermodel.equations.system import Closure, StateVariable
@@ -88,7 +88,7 @@ class _Geometry:
     ) -> None:
         self.structure = causal.graph.normal
         self.at = self.structure.at()
-        self.variables = Variables(causal.graph)
+        self.variables = causal.graph.variables
         self.definitions = definitions
         self.resolution = resolution
         self.states = states

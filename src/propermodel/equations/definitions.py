@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure
+from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure, Variables
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.fields import Mixed
 from propermodel.causality.implicit import pair
@@ -25,28 +25,6 @@ from propermodel.modelling.model import (
     TwoPort,
     Variable,
 )
-
-
-class Variables:
-    """The symbols of efforts and flows of bonds."""
-
-    def __init__(self, graph: BondGraph) -> None:
-        self.graph = graph
-        self._known: dict[tuple[Path, Variable], Expr] = {}
-
-    def of(self, bond: Bond, variable: Variable) -> Expr:
-        """The symbol of a bond's effort or flow."""
-        key = (bond.name, variable)
-        found = self._known.get(key)
-        if found is None:
-            found = self._known[key] = self._symbol(bond, variable)
-        return found
-
-    def _symbol(self, bond: Bond, variable: Variable) -> Expr:
-        domain = self.graph.domains.get(bond.domain)
-        kind = SymbolKind.EFFORT if variable is Variable.EFFORT else SymbolKind.FLOW
-        unit = "" if domain is None else domain.effort_unit if variable is Variable.EFFORT else domain.flow_unit
-        return symbol(kind, bond.name / variable.value, unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,18 +94,42 @@ class Definitions:
 
 def define(causal: CausalGraph) -> Definitions:
     """The definition of every effort, flow, stored quantity and signal."""
+    found = _define_normal(causal)
+    _define_observables(found, causal.graph)
+    return found
+
+
+def define_needed(causal: CausalGraph) -> Definitions:
+    """The same, without what can only be observed; for those who ask what depends on what."""
+    found = _define_normal(causal)
+    if any(leaf.data.kind in _OBSERVED and leaf not in found.values for leaf in leaves(*found.values.values())):
+        _define_observables(found, causal.graph)
+    return found
+
+
+_OBSERVED = frozenset(
+    {SymbolKind.EFFORT, SymbolKind.FLOW, SymbolKind.POWER, SymbolKind.DISPLACEMENT, SymbolKind.MOMENTUM}
+)
+
+
+def _define_normal(causal: CausalGraph) -> Definitions:
+    """What the graph in normal form and the signals define."""
     graph = causal.graph
-    variables = Variables(graph)
-    at = graph.normal.at()
     found = Definitions()
+    variables = graph.variables
+    at = graph.normal.at()
     for path, junction in graph.normal.junctions.items():
         _define_junction(found, causal, variables, path, junction.kind, at[path])
     for element in graph.normal.elements.values():
         _define_element(found, causal, variables, element, at[element.path])
     found.values.update(graph.signals)
-    _recover(found, graph, variables)
-    _observe(found, graph, variables)
     return found
+
+
+def _define_observables(found: Definitions, graph: BondGraph) -> None:
+    """Add the variables of bonds that simplification took away, and those of composite ports."""
+    _recover(found, graph, graph.variables)
+    _observe(found, graph, graph.variables)
 
 
 def sign_at(bond: Bond, place: Path) -> bool:

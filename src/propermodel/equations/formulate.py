@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from propermodel.bondgraph.graph import Element
+from propermodel.bondgraph.graph import Element, Variables
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.fields import Mixed
 from propermodel.causality.graph_algorithms import strong_components
 from propermodel.diagnostics import Diagnostic, Faults, Involved, Path, Source, StructureError
 from propermodel.equations.closures import closures_of, positions_of
 from propermodel.equations.condense import condense
-from propermodel.equations.definitions import Definitions, Variables, define
+from propermodel.equations.definitions import Definitions, define
 from propermodel.equations.events import SystemEvent, system_events
 from propermodel.equations.fields import causality_of, is_coordinate, state_symbol
 from propermodel.equations.impacts import impacts_of
@@ -137,7 +137,7 @@ def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVari
     """Every state with its derivative, the rates by symbol (time included), and rates that are unknowns."""
     states: list[StateVariable] = []
     inflows: list[Inflow] = []
-    variables = Variables(causal.graph)
+    variables = causal.graph.variables
     for element in causal.graph.normal.elements.values():
         if not isinstance(element.behaviour, Storage):
             continue

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Protocol
 
 from propermodel.bondgraph.graph import BondGraph
 from propermodel.diagnostics import ModelError, Path, nearest, parse_path
-from propermodel.equations.definitions import Variables
 from propermodel.equations.names import Name, input_symbols, parameter_aliases, quantity_symbol, shortest_names
 from propermodel.equations.system import EquationSystem, StateVariable
 from propermodel.expressions.core import (
@@ -308,7 +307,7 @@ def _quantities(graph: BondGraph, values: Mapping[Expr, Expr]) -> dict[Expr, Exp
 def _answers(system: EquationSystem) -> list[Expr]:
     """What every element but a source gives at its ports."""
     graph = system.causal.graph
-    variables = Variables(graph)
+    variables = graph.variables
     return [
         variables.of(bond, Variable.FLOW if system.causal.receives_effort(bond, element) else Variable.EFFORT)
         for path, bonds in graph.normal.at().items()

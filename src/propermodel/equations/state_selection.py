@@ -18,7 +18,7 @@ from propermodel.causality.causal import CausalGraph
 from propermodel.causality.completion import assign_beyond_laws
 from propermodel.causality.graph_algorithms import strong_components
 from propermodel.diagnostics import Path, StructureError
-from propermodel.equations.definitions import Definitions, define
+from propermodel.equations.definitions import Definitions, define_needed
 from propermodel.expressions.core import Expr, Op, SymbolKind, leaves
 from propermodel.modelling.model import ElementKind, JunctionKind, TwoPort
 
@@ -37,7 +37,7 @@ class _Choice:
     @cached_property
     def definitions(self) -> Definitions:
         """What defines every variable."""
-        return define(self.causal)
+        return define_needed(self.causal)
 
     @cached_property
     def score(self) -> Score:
@@ -52,7 +52,7 @@ def select_states(causal: CausalGraph) -> CausalGraph:
     if not found.causal.derivative or not _answers_itself(found.definitions):
         return found.causal
     other = assign_beyond_laws(causal.graph)
-    return found.causal if other is None or _answers_itself(define(other)) else other
+    return found.causal if other is None or _answers_itself(define_needed(other)) else other
 
 
 def _search(causal: CausalGraph) -> _Choice:

@@ -568,11 +568,13 @@ def postorder(roots: Iterable[Expr]) -> list[Expr]:
 
 def leaves(*roots: Expr) -> tuple[Expr, ...]:
     """The symbols below the roots, in order of first appearance; those of one root are remembered."""
-    is_single = len(roots) == 1 and bool(roots[0].args)
+    is_single = len(roots) == 1
     if is_single:
-        known = roots[0].known_leaves
-        if known is not None:
-            return known
+        (root,) = roots
+        if not root.args:
+            return () if root.op is Op.CONSTANT else (root,)
+        if root.known_leaves is not None:
+            return root.known_leaves
     seen: set[Expr] = set()
     found: list[Expr] = []
     stack = list(reversed(roots))
