@@ -13,6 +13,7 @@ from propermodel.library.mechanics.planar import (
     FrameForce,
     FrameSensor,
     FreeMotion,
+    LineSpringDamper,
     Prismatic,
     Revolute,
 )
@@ -210,4 +211,49 @@ class Satellite(pm.Component):
         pm.connect(hinge.b, wheel.frame),
         pm.connect(hinge.axis, motor.shaft),
         pm.connect(torque, motor.torque),
+    )
+
+
+class ElasticPendulum(pm.Component):
+    """A body on a spring from a fixed point; it does not turn with the spring."""
+
+    damping: pm.Parameter = pm.parameter("N.s/m", default=0.0)
+
+    ground = FixedFrame(x=0.5, y=2.0)
+    rope = LineSpringDamper(stiffness=80.0, length=1.0, damping=damping)
+    motion = FreeMotion(start_x=1.7, start_y=1.6)
+    bob = Body(mass=2.0, rotational_inertia=0.1)
+
+    connections = (
+        pm.connect(ground.frame, rope.a),
+        pm.connect(motion.b, rope.b, bob.frame),
+    )
+
+
+class LoopOnSpring(pm.Component):
+    """Three bars in a loop, and a spring across it, which starts stretched as the loop closes."""
+
+    ground = FixedFrame()
+    first_hinge = Revolute(start_angle=0.8)
+    first = FixedTranslation(x=1.0)
+    first_body = Body(mass=1.0, rotational_inertia=0.1)
+    base = FixedFrame(x=1.2)
+    second_hinge = Revolute(start_angle=2.2)
+    second = FixedTranslation(x=1.0)
+    second_body = Body(mass=1.0, rotational_inertia=0.1)
+    middle_hinge = Revolute(start_angle=-0.7)
+    middle = FixedTranslation(x=0.3)
+    middle_body = Body(mass=1.0, rotational_inertia=0.1)
+    pin = ClosingRevolute()
+    spring = LineSpringDamper(stiffness=30.0, length=0.2)
+
+    connections = (
+        pm.connect(ground.frame, first_hinge.a, spring.a),
+        pm.connect(first_hinge.b, first.a),
+        pm.connect(first.b, first_body.frame, middle_hinge.a),
+        pm.connect(middle_hinge.b, middle.a),
+        pm.connect(middle.b, middle_body.frame, pin.a),
+        pm.connect(base.frame, second_hinge.a),
+        pm.connect(second_hinge.b, second.a),
+        pm.connect(second.b, second_body.frame, pin.b, spring.b),
     )

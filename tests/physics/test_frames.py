@@ -15,7 +15,9 @@ from tests.physics.frames import (
     BeadInTube,
     DoublePendulum,
     DoublePendulumFromBelow,
+    ElasticPendulum,
     FourBar,
+    LoopOnSpring,
     Pendulum,
     PendulumOnCart,
     PushedBody,
@@ -173,6 +175,39 @@ def test_a_bead_in_a_turning_tube_feels_centrifugal_and_coriolis_forces(stiffnes
     assert moving["hinge.angle"] == pytest.approx(expected[2], abs=1e-7)
     assert moving["tube.inertia.shaft.flow"] == pytest.approx(expected[3], abs=1e-6)
     assert abs(pm.energy_balance(moving).integration_residual) < 1e-10
+
+
+# -- springs ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("damping", [0.0, 1.5])
+def test_a_body_on_a_spring_follows_newton(damping: float) -> None:
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        away, speed = y[:2] - [0.5, 2.0], y[2:]
+        distance = math.hypot(*away)
+        along = away / distance
+        tension = 80.0 * (distance - 1.0) + damping * along @ speed
+        return [*speed, *(-tension / 2.0 * along - [0.0, G])]
+
+    moving = run(ElasticPendulum(damping=damping), 2.0, step=5e-4)
+    x, y, *_ = integrated(rates, [1.7, 1.6, 0.0, 0.0], moving.time)
+    assert moving.at_start("rope.spring.port.effort") == pytest.approx(80.0 * (math.hypot(1.2, 0.4) - 1.0))
+    assert moving["motion.along.position"] == pytest.approx(x, abs=1e-7)
+    assert moving["motion.upward.position"] == pytest.approx(y, abs=1e-7)
+    stretch = np.hypot(x - 0.5, y - 2.0) - 1.0
+    assert moving["rope.spring.displacement"] == pytest.approx(stretch, abs=1e-7)
+    assert abs(pm.energy_balance(moving).integration_residual) < 1e-8
+
+
+def test_a_spring_starts_stretched_as_the_closed_loop_has_it() -> None:
+    moving = run(LoopOnSpring(), 0.5, step=5e-4)
+    assert "were open" in moving.notes[0]
+    angle = moving["second_hinge.angle"]
+    assert abs(angle[0] - 2.2) > 1e-3
+    stretch = np.hypot(1.2 + np.cos(angle), np.sin(angle)) - 0.2
+    assert moving.at_start("spring.spring.displacement") == pytest.approx(stretch[0], abs=1e-11)
+    assert moving["spring.spring.displacement"] == pytest.approx(stretch, abs=1e-8)
+    assert np.ptp(stretch) > 0.1
 
 
 # -- loops ------------------------------------------------------------------------------------------------

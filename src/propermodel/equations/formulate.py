@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from propermodel.bondgraph.graph import Element, Variables
 from propermodel.causality.causal import CausalGraph
@@ -159,9 +159,16 @@ def _states(causal: CausalGraph, resolution: Resolution) -> tuple[list[StateVari
         )
         for signal in causal.graph.signal_states
     )
+    states = [replace(state, start=_completed_start(state.start, resolution)) for state in states]
     rates = {state.symbol: state.derivative for state in states}
     rates[TIME] = ONE
     return states, rates, inflows
+
+
+def _completed_start(start: Expr, resolution: Resolution) -> Expr:
+    """A start in parameters, tables and states: the signals that it mentions resolved."""
+    mentions_signals = any(leaf.data.kind is SymbolKind.SIGNAL for leaf in leaves(start))
+    return resolution.complete(start) if mentions_signals else start
 
 
 def _state(owner: Path, coordinate: Coordinate, kind: StateKind, derivative: Expr, source: Source) -> StateVariable:
@@ -245,7 +252,7 @@ def _dependents(
                 path=target.data.path,
                 symbol=target,
                 unit=coordinate.unit,
-                start=coordinate.start,
+                start=_completed_start(coordinate.start, resolution),
                 stored=resolution.values[target],
                 reactions=reaction if merges else (),
             )

@@ -52,8 +52,8 @@ class MultiportResistance(Component):
 class Compliance(Component):
     """A one-port C: `effort(displacement)`, `displacement(effort)` or both; `energy(...)` unless linear.
 
-    `start()` gives the displacement at the start, `limits()` the range it is meant for. With the `preference`
-    `DERIVATIVE` it is dependent storage where others can decide it, with `INTEGRAL` others are.
+    `start()` gives the displacement at the start, also in inputs, `limits()` the range it is meant for. With the
+    `preference` `DERIVATIVE` it is dependent storage where others can decide it, with `INTEGRAL` others are.
     """
 
     preference: ClassVar[Preference | None] = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -118,7 +118,7 @@ def start_of(compiled: CompiledModel, scenario: Scenario, store: TableStore | No
     for fault in singular_fields(compiled.system, starts.values, starts.tables):
         faults.add(fault)
     faults.raise_if_any()
-    states, notes = _settled(compiled.system, starts)
+    states, notes = _settled(compiled.system, starts, known)
     faults.found.extend(
         faults_of_values(
             "state", ((s.path, value, s.source) for s, value in zip(compiled.system.states, states, strict=True))
@@ -206,14 +206,30 @@ def _starts(
     values = {**known, TIME: scenario.start}
     for item in (*system.states, *system.dependents):
         start = given.get(item.path)
-        values[item.symbol] = interpret(item.start, known) if start is None else start
+        if start is not None or all(leaf in known for leaf in leaves(item.start)):
+            values[item.symbol] = interpret(item.start, known) if start is None else start
     held = {p: HeldTable(t.data, compiled.graph.tables[p].spec.extrapolation == "hold") for p, t in tables.items()}
-    return Starts(values, held, frozenset(given))
+    starts = Starts(values, held, frozenset(given))
+    return replace(starts, values=values | _following(system, starts, known))
 
 
-def _settled(system: EquationSystem, starts: Starts) -> tuple[list[float], tuple[str, ...]]:
+def _following(system: EquationSystem, starts: Starts, known: Iterable[Expr]) -> Values:
+    """Starts that their authors give in signals, such as the stretch of a spring between two places."""
+    items = [
+        item
+        for item in (*system.states, *system.dependents)
+        if item.path not in starts.given and not all(leaf in known for leaf in leaves(item.start))
+    ]
+    values = starts.at([item.start for item in items], {})
+    return dict(zip((item.symbol for item in items), map(float, values), strict=True))
+
+
+def _settled(system: EquationSystem, starts: Starts, known: Iterable[Expr]) -> tuple[list[float], tuple[str, ...]]:
     """The states at the start, on the constraints and with what dependent storage holds merged into them; notes."""
     changed, notes = close_loops(system, starts)
+    if changed:
+        now = replace(starts, values={**starts.values, **changed})
+        starts = replace(starts, values={**starts.values, **_following(system, now, known)})
     for further in (merge_starts, keep_loops_closed):
         more, said = further(system, replace(starts, values={**starts.values, **changed}))
         changed, notes = {**changed, **more}, (*notes, *said)

@@ -35,6 +35,7 @@ from propermodel.library.mechanics.planar.linkages import (
 from propermodel.library.mechanics.planar.ports import Frame, Point
 from propermodel.library.mechanics.planar.sensors import FrameSensor
 from propermodel.library.mechanics.planar.sources import FixedFrame, FrameForce
+from propermodel.library.mechanics.planar.springs import Distance, LineDamping, LineSpringDamper, Stretch
 
 __all__ = [
     "ActuatedPrismatic",
@@ -43,6 +44,7 @@ __all__ = [
     "Body",
     "CarriedMass",
     "ClosingRevolute",
+    "Distance",
     "EulerGyrator",
     "FixedFrame",
     "FixedPoint",
@@ -52,6 +54,8 @@ __all__ = [
     "FrameForce",
     "FrameSensor",
     "FreeMotion",
+    "LineDamping",
+    "LineSpringDamper",
     "Link",
     "PinnedRod",
     "PlanarBody",
@@ -64,4 +68,5 @@ __all__ = [
     "Sines",
     "Slide",
     "SliderCrankLinkage",
+    "Stretch",
 ]
