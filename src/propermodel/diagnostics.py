@@ -77,6 +77,7 @@ class Source:
 
 NO_SOURCE = Source("", 0)
 MOST_OFFERED = 8  # names listed where none is near
+MOST_COMPARED = 30_000_000  # pairs of letters, some seconds' work
 
 
 def portable_file(file: str) -> str:
@@ -230,7 +231,10 @@ def in_words(number: int) -> str:
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """A sentence that offers the nearest known name, or nothing."""
-    matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    names = list(known)
+    if len(name) * sum(map(len, names)) > MOST_COMPARED:
+        return ""
+    matches = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     return f"did you mean '{matches[0]}'?" if matches else ""
 
 

@@ -16,7 +16,8 @@ from typer.testing import CliRunner
 import propermodel as pm
 from propermodel.cli.app import app
 from propermodel.library.vehicle.mission import mission
-from propermodel.modelling.documents import LARGEST_FILE, to_document
+from propermodel.modelling.documents import to_document
+from propermodel.modelling.limits import LIMITS
 from tests.faults.case import Case
 from tests.faults.simulation_cases import quarter, run
 
@@ -47,7 +48,7 @@ def document(**changes: object) -> str:
 def too_large() -> object:
     path = file_of("", "model.json")
     with path.open("wb") as stream:
-        stream.truncate(LARGEST_FILE + 1)
+        stream.truncate(LIMITS.file_bytes + 1)
     return pm.read_model(path)
 
 
@@ -91,8 +92,17 @@ CASES = (
         names=("nowhere/model.json", "No such file"),
         cure="path",
     ),
-    Case(code="document/size", run=too_large, names=("model.json", str(LARGEST_FILE)), cure="MB"),
-    Case(code="document/json", run=lambda: read("{'format': 1}"), names=("model.json", "line 1"), cure="write_model"),
+    Case(code="document/size", run=too_large, names=("model.json", str(LIMITS.file_bytes)), cure="file_bytes"),
+    Case(code="document/limit", run=lambda: read("[" * 100), names=("model.json", "line 1"), cure="depth"),
+    Case(
+        code="document/archive",
+        run=lambda: pm.load_trajectory(file_of("time,force", "run.npz")),
+        names=("run.npz", "it is too short"),
+        cure="save_trajectory",
+    ),
+    Case(
+        code="document/json", run=lambda: read("{'format': 1}"), names=("model.json", "line 1, column 2"), cure="wrote"
+    ),
     Case(
         code="document/format",
         run=lambda: read(document(format="propermodel-scenario")),

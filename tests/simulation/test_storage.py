@@ -1,18 +1,28 @@
 """Trajectories as files."""
 
+import io
 import json
+import math
+import re
+import tracemalloc
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from propermodel.cli.models import load_subject
 from propermodel.compiler import compile_model
 from propermodel.diagnostics import DocumentError, parse_path
+from propermodel.diagnostics import Path as Path_
+from propermodel.modelling.limits import Limits
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.storage import load_trajectory, save_trajectory
-from propermodel.simulation.trajectory import Trajectory
+from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus, Trajectory
+from tests.strangers import damaged_bytes
 
 MODEL = f"{Path(__file__).parents[1] / 'cli' / 'quarter_car.py'}:QuarterCar"
 
@@ -83,21 +93,54 @@ def _changed(file: Path, target: Path, **changes: object) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("changes", "where", "message"),
     [
-        ({"format": "another"}, r"its format is 'another', not 'propermodel-trajectory'"),
-        ({"version": 2}, r"its version is 2; version 1 is read"),
-        ({"columns": [[["a", "b"], "m", 1000]]}, r"its header is damaged: 'columns' is not an array"),
-        ({"columns": [[["a", "b"], "m", -1]]}, r"its header is damaged"),
-        ({"columns": [["a.b", "m", 0]]}, r"its header is damaged: ''a.b'' is not a list of names"),
-        ({"columns": 3}, r"its header is damaged"),
-        ({"ending": {}}, r"its header is damaged"),
-        ({"powers": []}, r"its header is damaged: 'integrals' is not an array"),
+        ({"format": "another"}, "", r"expected a document of format 'propermodel-trajectory'; its format is 'another'"),
+        ({"version": 2}, "", r"the version of this propermodel-trajectory document is 2; version 1 is read"),
+        ({"columns": [[["a", "b"], "m", 1000]]}, "columns", r"expected an array of \(101, 1001\) numbers"),
+        ({"columns": [[["a", "b"], "m", -1]]}, "columns[0][2]", r"expected a count, found the number -1"),
+        ({"columns": [["a.b", "m", 0]]}, "columns[0][0]", r"expected a list, found the text 'a.b'"),
+        ({"columns": 3}, "columns", r"expected a list, found the number 3"),
+        ({"ending": {}}, "ending", r"the entry 'status' is missing"),
+        ({"powers": []}, "integrals", r"expected an array of \(11, 0\) numbers"),
+        ({"scenario": {}}, "scenario", r"expected a document of format 'propermodel-scenario'"),
+        ({"notes": [1]}, "notes[0]", r"expected text, found the number 1"),
     ],
 )
-def test_a_changed_header_is_refused(file: Path, tmp_path: Path, changes: dict, message: str):
-    with pytest.raises(DocumentError, match=message):
+def test_a_changed_header_is_refused(file: Path, tmp_path: Path, changes: dict, where: str, message: str):
+    with pytest.raises(DocumentError, match=message) as caught:
         load_trajectory(_changed(file, tmp_path / "changed.npz", **changes))
+    (fault,) = caught.value.diagnostics
+    assert (fault.source.file, fault.where) == ("changed.npz", where)
+
+
+def test_notes_events_and_tables_that_were_left_come_back(run: Trajectory, tmp_path: Path):
+    started = simulate(run.compiled, run.scenario, step=1e-3, start="equilibrium")
+    told = replace(
+        started,
+        events=(
+            EventRecord(0.5, parse_path("stop"), 2.0, 1.5),
+            EventRecord(0.75, Path_(("a.b", "c")), math.inf, -math.inf),
+        ),
+    )
+    save_trajectory(told, tmp_path / "told.npz")
+    stored = load_trajectory(tmp_path / "told.npz")
+    assert stored.notes == told.notes
+    assert stored.notes
+    assert stored.events == told.events
+    assert stored.outside_tables == told.outside_tables
+
+
+def test_energies_of_a_failed_run_come_back(run: Trajectory, tmp_path: Path):
+    failed = replace(
+        run,
+        events=(EventRecord(0.5, parse_path("stop"), 2.0, math.nan),),
+        ending=Ending(RunStatus.FAILED, "a number is not finite", 0.5, parse_path("body")),
+    )
+    save_trajectory(failed, tmp_path / "failed.npz")
+    stored = load_trajectory(tmp_path / "failed.npz")
+    assert stored.ending == failed.ending
+    assert math.isnan(stored.events[0].energy_after)
 
 
 def test_other_files_are_refused(tmp_path: Path):
@@ -107,6 +150,128 @@ def test_other_files_are_refused(tmp_path: Path):
     zipfile.ZipFile(empty, "w").close()
     single = tmp_path / "single.npy"
     np.save(single, np.zeros(3))
-    for path in (text, empty, single, tmp_path / "missing.npz"):
-        with pytest.raises(DocumentError, match=r"cannot be read as a trajectory"):
+    for path in (text, empty, single):
+        with pytest.raises(DocumentError, match=r"error\[document/archive\]: the file cannot be read as a trajectory"):
             load_trajectory(path)
+    for path, reason in ((tmp_path / "missing.npz", "No such file"), (tmp_path, "it is a folder")):
+        with pytest.raises(DocumentError, match=rf"error\[document/file\]: the file cannot be read: {reason}"):
+            load_trajectory(path)
+
+
+# -- files from strangers -------------------------------------------------------------------------------------
+
+
+def _members(file: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(file) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def _packed(target: Path, members: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> Path:
+    with zipfile.ZipFile(target, "w", method) as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+    return target
+
+
+def _npy(array: np.ndarray, **options: bool) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, array, **options)
+    return stream.getvalue()
+
+
+def refused(path: Path, **options: Limits) -> str:
+    with pytest.raises(DocumentError) as caught:
+        load_trajectory(path, **options)
+    assert f"--> {path.name}" in str(caught.value)
+    return str(caught.value)
+
+
+def test_the_size_is_known_before_anything_is_unpacked(file: Path, tmp_path: Path):
+    zeros = b"\x93NUMPY\x01\x00" + bytes(2**26)  # packed into 64 kB
+    bomb = _packed(tmp_path / "bomb.npz", {**_members(file), "columns.npy": zeros})
+    del zeros
+    assert bomb.stat().st_size < 2**18
+    tracemalloc.start()
+    message = refused(bomb, limits=Limits(trajectory_bytes=2**20))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert re.search(r"error\[document/size\]: the file unpacks to 67\d{6} bytes; at most 1048576 are read", message)
+    assert "limits=pm.Limits(trajectory_bytes=...)" in message
+    assert peak < 2**20
+
+
+def test_a_member_that_is_larger_than_it_tells_is_not_unpacked(file: Path, tmp_path: Path):
+    members = _members(file)
+    told = len(members["columns.npy"])
+    path = _packed(tmp_path / "liar.npz", {**members, "columns.npy": members["columns.npy"] + bytes(10**7)})
+    data = bytearray(path.read_bytes())
+    claims = (told + 10**7).to_bytes(4, "little")
+    while (at := data.find(claims)) >= 0:
+        data[at : at + 4] = told.to_bytes(4, "little")
+    path.write_bytes(data)
+    assert "Bad CRC-32" in refused(path)
+
+
+def test_greater_limits_are_for_files_that_are_trusted(file: Path):
+    assert "at most 1000 are read" in refused(file, limits=Limits(trajectory_bytes=1000))
+    assert "at most 50 are read" in refused(file, limits=Limits(values=50))
+    assert load_trajectory(file, limits=Limits(trajectory_bytes=2**40)).paths
+
+
+def test_pickled_arrays_are_not_loaded(file: Path, tmp_path: Path):
+    class Trap:
+        def __reduce__(self):
+            return (Path.touch, (tmp_path / "executed",))
+
+    pickled = _npy(np.array([Trap()], dtype=object), allow_pickle=True)
+    message = refused(_packed(tmp_path / "pickled.npz", {**_members(file), "time.npy": pickled}))
+    assert "'time' is no array of numbers" in message
+    assert not (tmp_path / "executed").exists()
+
+
+def test_arrays_of_other_kinds_and_sizes_are_refused(file: Path, tmp_path: Path):
+    members = _members(file)
+    times = members["time.npy"]
+    for data, reason in (
+        (_npy(np.array(["a"])), "'time' is no array of numbers"),
+        (_npy(np.zeros(3, dtype=np.float32)), "'time' is no array of numbers"),
+        (_npy(np.zeros(3, dtype=np.uint8)), "expected an array of"),
+        (_npy(np.zeros((3, 3))), "expected an array of"),
+        (times[:-8], "'time' has another size than its shape tells"),
+        (times + b"1", "'time' has another size than its shape tells"),
+        (times.replace(b"(101,)", b"(-01,)"), "'time' is no array of numbers"),
+        (times.replace(b"(101,), }  ", b"(10**9), }"), "'time' is no array of numbers"),
+        (times[:9], "'time' is no array of numbers"),
+        (b"", "'time' is no array"),
+    ):
+        assert reason in refused(_packed(tmp_path / "other.npz", {**members, "time.npy": data}))
+
+
+def test_archives_that_numpy_does_not_write_are_refused(file: Path, tmp_path: Path):
+    members = _members(file)
+    assert "packed in a way" in refused(_packed(tmp_path / "lzma.npz", members, zipfile.ZIP_LZMA))
+    assert "it holds" in refused(_packed(tmp_path / "more.npz", {**members, "extra.npy": times_of(members)}))
+    assert "it holds" in refused(_packed(tmp_path / "less.npz", {"time.npy": times_of(members)}))
+    many = {f"{number}.npy": b"" for number in range(200)}
+    assert "its directory is too large" in refused(_packed(tmp_path / "many.npz", many))
+    encrypted = bytearray(file.read_bytes())
+    encrypted[encrypted.rfind(b"PK\x01\x02") + 8] |= 1
+    (tmp_path / "encrypted.npz").write_bytes(encrypted)
+    assert "encrypted" in refused(tmp_path / "encrypted.npz")
+
+
+def times_of(members: dict[str, bytes]) -> bytes:
+    return members["time.npy"]
+
+
+@given(st.data())
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_damaged_bytes_are_refused_or_make_no_difference(file: Path, tmp_path: Path, data: st.DataObject):
+    original = file.read_bytes()
+    damaged = data.draw(damaged_bytes(original))
+    (tmp_path / "damaged.npz").write_bytes(damaged)
+    try:
+        stored = load_trajectory(tmp_path / "damaged.npz")
+    except DocumentError:
+        return
+    assert len(stored.time) == 101

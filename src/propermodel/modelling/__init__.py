@@ -40,6 +40,7 @@ from propermodel.modelling.elements import (
 )
 from propermodel.modelling.events import when
 from propermodel.modelling.kinematics import KinematicTransformer
+from propermodel.modelling.limits import Limits
 from propermodel.modelling.model import (
     ConstantEffort,
     ConstantFlow,
@@ -75,6 +76,7 @@ __all__ = [
     "Inertia",
     "Input",
     "KinematicTransformer",
+    "Limits",
     "Model",
     "MultiportCompliance",
     "MultiportInertia",

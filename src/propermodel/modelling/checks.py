@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from types import NoneType
 
 from propermodel.diagnostics import Diagnostic, Path, Source, nearest
-from propermodel.expressions.core import Expr, SymbolKind, leaves, postorder
-from propermodel.modelling.domains import DomainData
+from propermodel.expressions.core import Expr, Op, SymbolKind
+from propermodel.modelling.declared_names import NamesOfModel
+from propermodel.modelling.limits import Limits, exceeded
 from propermodel.modelling.model import (
     Activation,
     Behaviour,
@@ -28,24 +29,59 @@ from propermodel.modelling.model import (
     SignalLink,
     Storage,
     TwoPort,
-    Variable,
 )
 
 CODE = "model/inconsistent"
 
 
-def faults_of(model: Model) -> list[Diagnostic]:
-    """Every name in the model that does not fit, definition by definition."""
-    domains = {domain.name: domain for domain in model.domains}
-    found: list[Diagnostic] = []
-    if len(domains) < len(model.domains):
-        found.append(Diagnostic(CODE, "two domains have one name", "domains", help="rename one of them"))
-    for definition in definitions_of(model.root):
-        found.extend(_Check(definition, domains).run())
-    root = model.root
-    check = _Check(Definition(type_name="the model", doc="", parts=(root,)), domains)
-    check.values(root)
-    return [*found, *check.found]
+def faults_of(model: Model, limits: Limits | None = None, *, most: int | None = None) -> list[Diagnostic]:
+    """The names in the model that do not fit, definition by definition; all, or the first `most` of them.
+
+    Raises:
+        DocumentError: the definitions use more nodes of expressions than `limits` allow.
+    """
+    names = NamesOfModel({domain.name: domain for domain in model.domains})
+    notes = _Notes(most, limits)
+    if len(names.domains) < len(model.domains):
+        notes.add(Diagnostic(CODE, "two domains have one name", "domains", help="rename one of them"))
+    try:
+        for definition in definitions_of(model.root):
+            _Check(definition, names, notes).run()
+        root = model.root
+        _Check(Definition(type_name="the model", doc="", parts=(root,)), names, notes).values(root)
+    except _EnoughError:
+        pass
+    return notes.found
+
+
+class _EnoughError(Exception):
+    """As many faults have been found as will be told."""
+
+
+class _Notes:
+    """The faults found so far, and the nodes of expressions that were looked at."""
+
+    def __init__(self, most: int | None, limits: Limits | None) -> None:
+        self.found: list[Diagnostic] = []
+        self.uses = 0
+        self._most = most
+        self._most_uses = limits.expression_uses if limits else None
+
+    def add(self, fault: Diagnostic) -> None:
+        """Remember a fault."""
+        self.found.append(fault)
+        if len(self.found) == self._most:
+            raise _EnoughError
+
+    def use(self, definition: Definition) -> None:
+        """Count a node of an expression."""
+        self.uses += 1
+        if self._most_uses is not None and self.uses > self._most_uses:
+            raise exceeded(
+                "expression_uses",
+                f"the definitions use more than {self._most_uses} expressions",
+                definition.type_name[:60],
+            )
 
 
 def definitions_of(root: Part) -> list[Definition]:
@@ -63,16 +99,19 @@ def definitions_of(root: Part) -> list[Definition]:
 class _Check:
     """The checks of one definition."""
 
-    def __init__(self, definition: Definition, domains: dict[str, DomainData]) -> None:
+    def __init__(self, definition: Definition, names: NamesOfModel, notes: _Notes) -> None:
         self.definition = definition
-        self.domains = domains
-        self.found: list[Diagnostic] = []
-        self.ports = {port.name: port for port in definition.ports}
-        self.parts = {part.name: part for part in definition.parts}
+        self.known = names
+        self.domains = names.domains
+        self.notes = notes
+        self.ports = names.of(definition).ports
+        self.parts = names.of(definition).parts
+        self.seen: dict[bool, set[Expr]] = {False: set(), True: set()}  # nodes, by what they may mention
 
-    def run(self) -> list[Diagnostic]:
-        """Every fault of the definition."""
+    def run(self) -> None:
+        """Find every fault of the definition."""
         d = self.definition
+        before = len(self.notes.found)
         groups: tuple[Iterable[str], ...] = (
             (p.name for p in d.ports),
             (p.name for p in d.parameters),
@@ -84,8 +123,8 @@ class _Check:
             if count > 1:
                 self.fault(f"the name '{name}' is given {count} times")
         self.check_ports()
-        if self.found:
-            return self.found
+        if len(self.notes.found) > before:
+            return
         for parameter in d.parameters:
             if parameter.default is not None:
                 self.expr(parameter.default, f"the default of '{parameter.name}'", only_parameters=True)
@@ -100,13 +139,12 @@ class _Check:
         self.events()
         for connection in d.connections:
             self.connection(connection)
-        return self.found
 
     def fault(self, message: str, help: str = "", source: Source | None = None) -> None:
         """Remember a fault."""
         d = self.definition
         cure = help or f"name what {d.type_name} and its direct parts declare, each once and with its own unit"
-        self.found.append(Diagnostic(CODE, message, d.type_name, source or d.source, help=cure))
+        self.notes.add(Diagnostic(CODE, message, d.type_name, source or d.source, help=cure))
 
     def check_ports(self) -> None:
         """Domains exist, and differences are between two plain ports of the same domain."""
@@ -133,93 +171,57 @@ class _Check:
             self.fault(f"{what} must be {'a condition' if condition else 'a number'}")
         if _is_table(expr):
             self.fault(f"{what} is a table where a number is due")
-        for leaf in leaves(expr):
-            kind, path = leaf.data.kind, leaf.data.path
-            if only_parameters and kind is not SymbolKind.PARAMETER:
-                self.fault(f"{what} mentions '{path}', which is not a parameter")
-            elif kind is not SymbolKind.TIME and leaf.data.unit not in self.units(kind, path):
-                self.fault(f"{what} mentions the {kind} '{path}' ({leaf.data.unit or '1'}), which does not exist")
-        # The arity of a look-up is that of its table.
-        for node in _lookups(expr):
-            axes = self.axes(node.args[0].data.path)
-            if axes is not None and axes != len(node.args) - 1:
-                self.fault(f"{what} looks up '{node.args[0].data.path}' with {len(node.args) - 1} coordinates")
+        for node in self.unseen(expr, self.seen[only_parameters]):
+            if node.op is Op.SYMBOL:
+                self.symbol(node, what, only_parameters)
+            elif node.args and _is_table(node.args[0]):
+                self.lookup(node, what)
 
-    def owner(self, path: Path) -> Definition | None:
-        """The definition that declares the last name of a path."""
-        definition = self.definition
-        for name in path.parent:
-            part = next((p for p in definition.parts if p.name == name), None)
-            if part is None:
-                return None
-            definition = part.definition
-        return definition
+    def unseen(self, root: Expr, seen: set[Expr]) -> Iterator[Expr]:
+        """The nodes of an expression that no other expression of the definition has shown."""
+        stack = [root]
+        while stack:
+            node = stack.pop()
+            if node not in seen:
+                seen.add(node)
+                self.notes.use(self.definition)
+                yield node
+                stack.extend(reversed(node.args))
 
-    def axes(self, path: Path) -> int | None:
-        """The number of coordinates of a table."""
-        owner = self.owner(path)
-        specs = owner.tables if owner else ()
-        return next((len(spec.values.grids) for spec in specs if spec.name == path.name), None)
+    def symbol(self, leaf: Expr, what: str, only_parameters: bool) -> None:
+        """A symbol names what there is, in its unit."""
+        kind, path, unit = leaf.data.kind, leaf.data.path, leaf.data.unit
+        if only_parameters and kind is not SymbolKind.PARAMETER:
+            self.fault(f"{what} mentions '{path}', which is not a parameter")
+        elif kind is not SymbolKind.TIME and self.known.unit(self.definition, kind, path) != unit:
+            self.fault(f"{what} mentions the {kind} '{path}' ({unit or '1'}), which does not exist")
 
-    def units(self, kind: SymbolKind, path: Path) -> set[str]:
-        """The units of what a symbol names; none when there is no such thing."""
-        if kind.value in _PORT_VARIABLES:
-            return self.port_units(kind, path)
-        owner = self.owner(path)
-        if owner is None:
-            return set()
-        behaviour = owner.behaviour
-        match kind:
-            case SymbolKind.PARAMETER:
-                known = {p.name: p.unit for p in owner.parameters}
-            case SymbolKind.TABLE:
-                known = {t.name: t.unit for t in owner.tables}
-            case SymbolKind.SIGNAL:
-                known = {s.name: s.unit for s in owner.signals}
-            case SymbolKind.STATE:
-                coordinates = behaviour.coordinates if isinstance(behaviour, Storage) else ()
-                states = behaviour.states if isinstance(behaviour, Block) else coordinates
-                known = {c.name: c.unit for c in states}
-            case SymbolKind.DISCRETE:
-                starts = behaviour.starts if isinstance(behaviour, Sampled) else ()
-                known = {n: unit for n, unit, _ in (*starts, *owner.discretes)}
-            case _:
-                known = {}
-        return {known[path.name]} if path.name in known else set()
-
-    def port_units(self, kind: SymbolKind, path: Path) -> set[str]:
-        """The unit of a port's variable."""
-        owner = self.owner(path.parent)
-        port = next((p for p in owner.ports if p.name == path.parent.name), None) if owner else None
-        domain = self.domains.get(port.domain) if port else None
-        if domain is None or path.name != kind.value:
-            return set()
-        return {
-            SymbolKind.EFFORT: {domain.effort_unit},
-            SymbolKind.FLOW: {domain.flow_unit},
-            SymbolKind.POWER: {"W" if domain.is_true else ""},
-            SymbolKind.DISPLACEMENT: {domain.displacement_unit},
-            SymbolKind.MOMENTUM: {domain.momentum_unit},
-        }[kind]
+    def lookup(self, node: Expr, what: str) -> None:
+        """The arity of a look-up is that of its table."""
+        path = node.args[0].data.path
+        owner = self.known.owner(self.definition, path)
+        axes = owner.axes.get(path.name) if owner else None
+        if axes is not None and axes != len(node.args) - 1:
+            self.fault(f"{what} looks up '{path}' with {len(node.args) - 1} coordinates")
 
     # -- parts, behaviour, connections -------------------------------------------------------------
 
     def values(self, part: Part) -> None:
         """The values handed to a part belong to its parameters."""
-        parameters = {p.name for p in part.definition.parameters}
-        specs = {t.name: t for t in part.definition.tables}
+        declared = self.known.of(part.definition)
+        parameters = declared.units[SymbolKind.PARAMETER]
         self.names((name for name, _ in part.values), parameters, f"the values of '{part.name}'")
-        self.names((name for name, _ in part.tables), specs, f"the tables of '{part.name}'")
+        self.names((name for name, _ in part.tables), declared.axes, f"the tables of '{part.name}'")
         for name, value in part.values:
             self.expr(value, f"the value of '{part.name}.{name}'", only_parameters=True)
         for name, table in part.tables:
-            if name in specs and len(table.grids) != len(specs[name].values.grids):
+            if len(table.grids) != declared.axes.get(name, len(table.grids)):
                 self.fault(f"the table '{part.name}.{name}' has another number of grids than it is declared with")
 
     def names(self, given: Iterable[str], known: Iterable[str], what: str, *, all_of: bool = False) -> None:
         """Names are known and given once; with `all_of`, each is given."""
-        names, options = list(given), list(known)
-        for name, count in Counter(names).items():
+        names, options = Counter(given), dict.fromkeys(known)
+        for name, count in names.items():
             if name not in options:
                 self.fault(f"{what}: there is no '{name}'", nearest(name, options))
             elif count > 1:
@@ -356,7 +358,7 @@ class _Check:
             case SignalLink():
                 self.expr(connection.value, "a signal")
                 for path in connection.targets:
-                    if not self.units(SymbolKind.SIGNAL, path) or len(path) > 2:
+                    if self.known.unit(self.definition, SymbolKind.SIGNAL, path) is None or len(path) > 2:
                         self.fault(f"there is no signal '{path}' to drive", source=connection.source)
             case OpenPort():
                 if len(connection.port) != 1 or connection.port.name not in self.ports:
@@ -366,7 +368,7 @@ class _Check:
         """The domain of a port of the definition or of a direct part."""
         ports = self.ports
         if len(path) == 2 and path[0] in self.parts:
-            ports = {port.name: port for port in self.parts[path[0]].definition.ports}
+            ports = self.known.of(self.parts[path[0]].definition).ports
         elif len(path) != 1:
             ports = {}
         if path.name not in ports:
@@ -375,18 +377,9 @@ class _Check:
         return ports[path.name].domain
 
 
-_PORT_VARIABLES = frozenset(
-    {*(v.value for v in Variable), SymbolKind.POWER, SymbolKind.DISPLACEMENT, SymbolKind.MOMENTUM}
-)
-
-
 def _is_one_port(behaviour: Resistive) -> bool:
     return all(len(law.results) == 1 for law in behaviour.laws)
 
 
 def _is_table(expr: Expr) -> bool:
     return not expr.args and getattr(expr.data, "kind", None) is SymbolKind.TABLE
-
-
-def _lookups(expr: Expr) -> list[Expr]:
-    return [node for node in postorder([expr]) if node.args and _is_table(node.args[0])]

@@ -1,287 +1,44 @@
 """Models and scenarios as documents: versioned JSON of plain data, safe to open.
 
-A document holds every expression node and every definition once. Reading it checks all it says; nothing in it
-is executed.
+A document holds every expression node and every definition once. Reading it checks all it says, within limits; nothing
+in it is executed.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import json
-import os
-from collections import Counter
 from collections.abc import Callable
-from pathlib import Path as FilePath
-from typing import Any, TypeVar, cast
+from dataclasses import dataclass
+from typing import TypeVar, cast
 
-from propermodel.diagnostics import DocumentError, ModelError, ProperModelError, Source, portable_file
+from propermodel.diagnostics import DocumentError, ProperModelError
 from propermodel.expressions.core import Expr
 from propermodel.modelling.checks import faults_of
-from propermodel.modelling.domains import DomainData, Shared
 from propermodel.modelling.expression_documents import ExpressionTable, read_expressions
-from propermodel.modelling.model import (
-    Activation,
-    Block,
-    ConstantEffort,
-    ConstantFlow,
-    Coordinate,
-    Cut,
-    Definition,
-    Direction,
-    ElementKind,
-    Event,
-    Freeze,
-    HalfArrow,
-    JunctionKind,
-    Model,
-    Node,
-    Opening,
-    OpenPort,
-    ParameterData,
-    Part,
-    PortData,
-    PowerSource,
-    Preference,
-    ResistanceLaw,
-    Resistive,
-    Result,
-    Sampled,
-    Scenario,
-    SignalData,
-    SignalLink,
-    Storage,
-    TableSpec,
-    TableValues,
-    TwoPort,
-    Variable,
-    ZeroEffort,
-    ZeroFlow,
-)
-from propermodel.modelling.schema import (
-    BOOLEAN,
-    EXPR,
-    FINITE,
-    NAME,
-    NUMBER,
-    PATH,
-    SOURCE,
-    TEXT,
-    UNIT,
-    Codec,
-    Json,
-    Place,
-    as_index,
-    as_list,
-    as_object,
-    by_path,
-    choice,
-    described,
-    malformed,
-    many,
-    optional,
-    record,
-    tagged,
-    together,
-)
-from propermodel.modelling.tables import table_values
+from propermodel.modelling.files import FileName, of_file, partial_file, read_bytes
+from propermodel.modelling.formats import DEFINITION, DOMAIN, PART, REMOVAL, SCENARIO
+from propermodel.modelling.json_text import parse_json
+from propermodel.modelling.limits import LIMITS, Limits, exceeded
+from propermodel.modelling.model import Definition, Model, Scenario
+from propermodel.modelling.schema import TEXT, Json, Place, as_index, as_list, as_object, described, many
 
 MODEL_FORMAT = "propermodel-model"
 SCENARIO_FORMAT = "propermodel-scenario"
 VERSION = 1
-LARGEST_FILE = 64 * 1024 * 1024  # bytes
-MOST_PARTS = 1_000_000
+MOST_FAULTS = 20  # told of one document
 
 T = TypeVar("T")
-
-
-# -- the format -----------------------------------------------------------------------------------------
-
-
-def _read_table(data: Json, place: Place) -> TableValues:
-    plain = _PLAIN_TABLE.read(data, place)
-    try:
-        return table_values(plain.grids, plain.values)
-    except ModelError as error:
-        raise place.fault(error.diagnostics[0].message) from None
-
-
-def _input(data: Json, place: Place) -> float | TableValues:
-    return TABLE_VALUES.read(data, place) if isinstance(data, dict) else FINITE.read(data, place)
-
-
-_PLAIN_TABLE = record(TableValues, grids=many(many(FINITE)), values=many(FINITE))
-TABLE_VALUES: Codec[TableValues] = Codec(_PLAIN_TABLE.write, _read_table)
-INPUT: Codec[float | TableValues] = Codec(
-    lambda value, refs: (TABLE_VALUES if isinstance(value, TableValues) else FINITE).write(cast("Any", value), refs),
-    _input,
-)
-NAMED_EXPR = together(NAME, EXPR)
-VARIABLE = choice(Variable)
-
-COORDINATE = record(Coordinate, name=NAME, unit=UNIT, start=EXPR, low=EXPR, high=EXPR)
-RESULT = record(Result, port=NAME, variable=VARIABLE, value=EXPR)
-BEHAVIOUR = tagged(
-    resistance=(
-        Resistive,
-        record(
-            Resistive,
-            laws=many(record(ResistanceLaw, results=many(RESULT))),
-            locked=optional(EXPR),
-            implicit=many(EXPR),
-            converts=BOOLEAN,
-            preference=optional(choice((Preference.EFFORT, Preference.FLOW))),
-        ),
-    ),
-    storage=(
-        Storage,
-        record(
-            Storage,
-            kind=choice((ElementKind.COMPLIANCE, ElementKind.INERTIA)),
-            coordinates=many(COORDINATE),
-            stored=many(NAMED_EXPR),
-            outputs=many(NAMED_EXPR),
-            energy=EXPR,
-            inverse=optional(EXPR),
-            preference=optional(choice((Preference.INTEGRAL, Preference.DERIVATIVE))),
-        ),
-    ),
-    source=(
-        PowerSource,
-        record(PowerSource, kind=choice((ElementKind.EFFORT_SOURCE, ElementKind.FLOW_SOURCE)), value=EXPR),
-    ),
-    two_port=(
-        TwoPort,
-        record(
-            TwoPort,
-            kind=choice((ElementKind.TRANSFORMER, ElementKind.GYRATOR)),
-            modulus=EXPR,
-            position=optional(EXPR),
-        ),
-    ),
-    junction=(
-        JunctionKind,
-        Codec(
-            lambda kind, _: {"kind": kind.value},
-            lambda data, place: choice(JunctionKind).read(as_object(data, place).get("kind"), place.key("kind")),
-        ),
-    ),
-    block=(
-        Block,
-        record(Block, outputs=many(NAMED_EXPR), states=many(COORDINATE), derivatives=many(NAMED_EXPR)),
-    ),
-    sampled=(
-        Sampled,
-        record(Sampled, period=EXPR, starts=many(together(NAME, UNIT, EXPR)), updates=many(NAMED_EXPR)),
-    ),
-)
-CONNECTION = tagged(
-    node=(Node, record(Node, ports=many(PATH), source=SOURCE)),
-    bond=(HalfArrow, record(HalfArrow, tail=PATH, head=PATH, source=SOURCE)),
-    activated_bond=(
-        Activation,
-        record(Activation, tail=PATH, head=PATH, carries=choice(Variable), source=SOURCE),
-    ),
-    signal=(SignalLink, record(SignalLink, value=EXPR, targets=many(PATH), source=SOURCE)),
-    open=(OpenPort, record(OpenPort, port=PATH, opening=choice(Opening), source=SOURCE)),
-)
-REMOVAL = tagged(
-    zero_effort=(ZeroEffort, record(ZeroEffort, bond=PATH)),
-    zero_flow=(ZeroFlow, record(ZeroFlow, bond=PATH)),
-    constant_effort=(ConstantEffort, record(ConstantEffort, bond=PATH, value=FINITE)),
-    constant_flow=(ConstantFlow, record(ConstantFlow, bond=PATH, value=FINITE)),
-    cut=(Cut, record(Cut, bond=PATH, driven=VARIABLE)),
-    freeze=(Freeze, record(Freeze, signal=PATH, value=FINITE)),
-)
-DOMAIN = record(
-    DomainData,
-    name=NAME,
-    effort=TEXT,
-    effort_unit=UNIT,
-    flow=TEXT,
-    flow_unit=UNIT,
-    displacement_unit=UNIT,
-    momentum_unit=UNIT,
-    shared=choice(Shared),
-    datum=TEXT,
-    is_true=BOOLEAN,
-)
-PART = record(
-    Part,
-    name=NAME,
-    definition=Codec(
-        lambda definition, refs: refs.write_definition(definition),
-        lambda data, place: place.references.read_definition(data, place),
-    ),
-    values=many(NAMED_EXPR),
-    tables=many(together(NAME, TABLE_VALUES)),
-    source=SOURCE,
-)
-DEFINITION = record(
-    Definition,
-    type_name=TEXT,
-    doc=TEXT,
-    ports=many(record(PortData, name=NAME, domain=NAME, between=optional(together(NAME, NAME)))),
-    parameters=many(
-        record(
-            ParameterData,
-            name=NAME,
-            unit=UNIT,
-            default=optional(EXPR),
-            low=NUMBER,
-            high=NUMBER,
-            source=TEXT,
-            status=TEXT,
-            doc=TEXT,
-        )
-    ),
-    tables=many(
-        record(
-            TableSpec,
-            name=NAME,
-            unit=UNIT,
-            coordinate_units=many(UNIT),
-            extrapolation=TEXT,
-            values=TABLE_VALUES,
-            source=TEXT,
-        )
-    ),
-    signals=many(record(SignalData, name=NAME, unit=UNIT, direction=choice(Direction))),
-    behaviour=optional(BEHAVIOUR),
-    discretes=many(together(NAME, UNIT, EXPR)),
-    events=many(
-        record(
-            Event,
-            condition=EXPR,
-            changes=many(together(EXPR, EXPR)),
-            restitution=optional(EXPR),
-            source=SOURCE,
-        )
-    ),
-    parts=many(PART),
-    connections=many(CONNECTION),
-    is_energy_group=BOOLEAN,
-    source=SOURCE,
-)
-SCENARIO = record(
-    Scenario,
-    name=TEXT,
-    start=FINITE,
-    stop=FINITE,
-    inputs=by_path(INPUT),
-    tables=by_path(TABLE_VALUES),
-    initial=by_path(FINITE),
-    parameters=by_path(FINITE),
-    description=TEXT,
-)
 
 
 # -- models ---------------------------------------------------------------------------------------------
 
 
-class _Shared:
-    """The expressions and definitions of a document that is being written or has been read."""
+class SharedEntries:
+    """The expressions, definitions and units of a document that is being written or has been read."""
 
-    def __init__(self) -> None:
+    def __init__(self, limits: Limits = LIMITS) -> None:
+        self.limits = limits
+        self.units: set[str] = set()
         self.table = ExpressionTable()
         self.expressions: list[Expr] = []
         self.definitions: list[Definition] = []
@@ -321,19 +78,49 @@ class _Shared:
 
     def read_definitions(self, data: Json, place: Place) -> None:
         """Read definitions in order; each uses only earlier ones."""
-        sizes: dict[int, int] = {}
+        sizes: dict[int, _Size] = {}
         for index, item in enumerate(as_list(data, place)):
             definition = DEFINITION.read(item, place.item(index))
-            size = 1 + sum(sizes[id(part.definition)] for part in definition.parts)
-            if size > MOST_PARTS:
-                raise place.item(index).fault(f"has {size} parts in all; at most {MOST_PARTS} are read")
+            size = _size_of(definition, [sizes[id(part.definition)] for part in definition.parts])
+            _check_size(size, self.limits, place.item(index))
             sizes[id(definition)] = size
             self.definitions.append(definition)
 
 
+@dataclass(frozen=True, slots=True)
+class _Size:
+    """What a use of a definition comes to: parts, what they declare, and the names in the paths of all that."""
+
+    parts: int
+    declared: int
+    names: int
+
+
+def _size_of(definition: Definition, inner: list[_Size]) -> _Size:
+    d = definition
+    own = sum(map(len, (d.ports, d.parameters, d.tables, d.signals, d.discretes, d.events, d.connections)))
+    declared = 1 + own + sum(size.declared for size in inner)
+    return _Size(
+        parts=1 + sum(size.parts for size in inner),
+        declared=declared,
+        names=declared + sum(size.names for size in inner),
+    )
+
+
+def _check_size(size: _Size, limits: Limits, place: Place) -> None:
+    if size.parts > limits.parts:
+        raise exceeded("parts", f"has {size.parts} parts in all; at most {limits.parts} are read", place.text)
+    if size.names > limits.path_names:
+        raise exceeded(
+            "path_names",
+            f"what its parts declare has {size.names} names in all; at most {limits.path_names} are read",
+            place.text,
+        )
+
+
 def to_document(model: Model) -> dict[str, Json]:
     """The document of a model: plain data that JSON can hold, from which an equal model can be made."""
-    shared = _Shared()
+    shared = SharedEntries()
     shared.add_definitions(model.root.definition)
     document: dict[str, Json] = {
         "format": MODEL_FORMAT,
@@ -348,15 +135,16 @@ def to_document(model: Model) -> dict[str, Json]:
     return document
 
 
-def from_document(document: Json) -> Model:
+def from_document(document: Json, *, limits: Limits = LIMITS) -> Model:
     """The model that a document holds.
 
     Raises:
-        DocumentError: the document is not of this format or version, or something in it is malformed.
+        DocumentError: the document is not of this format or version, goes beyond a limit, or something in it is
+            malformed.
     """
-    shared = _Shared()
+    shared = SharedEntries(limits)
     top = Place("", shared)
-    given = _opened(document, MODEL_FORMAT, top)
+    given = opened(document, MODEL_FORMAT, top)
     entries = {"name", "domains", "root", "removals", "definitions", "expressions"}
     _check_entries(given, entries, top)
     shared.expressions = read_expressions(given["expressions"], top.key("expressions"))
@@ -367,24 +155,24 @@ def from_document(document: Json) -> Model:
         domains=many(DOMAIN).read(given["domains"], top.key("domains")),
         removals=many(REMOVAL).read(given["removals"], top.key("removals")),
     )
-    faults = faults_of(model)
+    faults = faults_of(model, limits, most=MOST_FAULTS)
     if faults:
         raise DocumentError(faults)
     return model
 
 
-def write_model(model: Model, path: str | os.PathLike[str]) -> None:
+def write_model(model: Model, path: FileName) -> None:
     """Write the document of a model to a file."""
     _write(to_document(model), path)
 
 
-def read_model(path: str | os.PathLike[str]) -> Model:
+def read_model(path: FileName, *, limits: Limits = LIMITS) -> Model:
     """The model of a file.
 
     Raises:
-        DocumentError: the file cannot be read, or is not the document of a model.
+        DocumentError: the file cannot be read, is not the document of a model, or goes beyond a limit.
     """
-    return _read(path, from_document)
+    return _read(path, from_document, limits)
 
 
 # -- scenarios ------------------------------------------------------------------------------------------
@@ -392,67 +180,63 @@ def read_model(path: str | os.PathLike[str]) -> Model:
 
 def to_scenario_document(scenario: Scenario) -> dict[str, Json]:
     """The document of a scenario."""
-    return {"format": SCENARIO_FORMAT, "version": VERSION, **SCENARIO.write(scenario, _Shared())}
+    return {"format": SCENARIO_FORMAT, "version": VERSION, **SCENARIO.write(scenario, SharedEntries())}
 
 
-def from_scenario_document(document: Json) -> Scenario:
+def from_scenario_document(document: Json, *, limits: Limits = LIMITS) -> Scenario:
     """The scenario that a document holds.
 
     Raises:
-        DocumentError: the document is not of this format or version, or something in it is malformed.
+        DocumentError: the document is not of this format or version, goes beyond a limit, or something in it is
+            malformed.
     """
-    top = Place("", _Shared())
-    return SCENARIO.read(_opened(document, SCENARIO_FORMAT, top), top)
+    top = Place("", SharedEntries(limits))
+    return SCENARIO.read(opened(document, SCENARIO_FORMAT, top), top)
 
 
-def write_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:
+def write_scenario(scenario: Scenario, path: FileName) -> None:
     """Write the document of a scenario to a file."""
     _write(to_scenario_document(scenario), path)
 
 
-def read_scenario(path: str | os.PathLike[str]) -> Scenario:
+def read_scenario(path: FileName, *, limits: Limits = LIMITS) -> Scenario:
     """The scenario of a file.
 
     Raises:
-        DocumentError: the file cannot be read, or is not the document of a scenario.
+        DocumentError: the file cannot be read, is not the document of a scenario, or goes beyond a limit.
     """
-    return _read(path, from_scenario_document)
+    return _read(path, from_scenario_document, limits)
 
 
 # -- files ----------------------------------------------------------------------------------------------
 
 
-def _opened(document: Json, wanted: str, top: Place) -> dict[str, Json]:
+def opened(document: Json, wanted: str, top: Place) -> dict[str, Json]:
     """The entries of a document, without format and version, which are checked."""
     given = dict(as_object(document, top))
     found = given.pop("format", None)
     if found != wanted:
         what = described(found) if found is not None else "missing"
-        raise _refused(
+        raise DocumentError.of(
             "document/format",
             f"expected a document of format '{wanted}'; its format is {what.removeprefix('the text ')}",
-            _FORMAT_CURE.get(found if isinstance(found, str) else "", "is it a document of this package?"),
+            help=_FORMAT_CURE.get(found if isinstance(found, str) else "", "is it a document of this package?"),
         )
     version = given.pop("version", None)
     if isinstance(version, bool) or version != VERSION:
-        what = described(version) if version is not None else "missing"
-        raise _refused(
+        what = described(version).removeprefix("the number ") if version is not None else "missing"
+        raise DocumentError.of(
             "document/version",
-            f"the version of this {wanted} document is {what.removeprefix('the number ')}; version {VERSION} is read",
-            "open it with the release that wrote it, or a later one",
+            f"the version of this {wanted} document is {what}; version {VERSION} is read",
+            help="open it with the release that wrote it, or a later one",
         )
     return given
 
 
-_JSON_CURE = "open a file that propermodel wrote (write_model, write_scenario), complete and unchanged"
 _FORMAT_CURE = {
     MODEL_FORMAT: "read it with read_model",
     SCENARIO_FORMAT: "it is a scenario: read it with read_scenario, or pass it with --scenario",
 }
-
-
-def _refused(code: str, message: str, help: str = "") -> DocumentError:
-    return DocumentError.of(code, message, help=help)
 
 
 def _check_entries(given: dict[str, Json], entries: set[str], top: Place) -> None:
@@ -460,14 +244,13 @@ def _check_entries(given: dict[str, Json], entries: set[str], top: Place) -> Non
         raise top.fault(f"the entry '{name}' is missing")
     for name in given:
         if name not in entries:
-            raise top.fault(f"unknown entry '{name:.60}'")
+            raise top.fault(f"unknown entry {name[:60]!r}")
 
 
-def _write(document: dict[str, Json], path: str | os.PathLike[str]) -> None:
-    target = FilePath(path)
-    partial = target.with_name(f"{target.name}.part")
+def _write(document: dict[str, Json], path: FileName) -> None:
+    partial = partial_file(path)
     partial.write_text(_text(document), encoding="utf-8")
-    partial.replace(target)
+    partial.replace(path)
 
 
 def _text(document: dict[str, Json]) -> str:
@@ -483,48 +266,8 @@ def _text(document: dict[str, Json]) -> str:
     return "{\n" + ",\n".join(entries) + "\n}\n"
 
 
-def _read(path: str | os.PathLike[str], read: Callable[[Json], T]) -> T:
-    file = portable_file(os.fspath(path))
+def _read(path: FileName, read: Callable[..., T], limits: Limits) -> T:
     try:
-        size = FilePath(path).stat().st_size
-        if size > LARGEST_FILE:
-            raise _refused(
-                "document/size",
-                f"the file has {size} bytes; at most {LARGEST_FILE} are read",
-                f"is it a document of this package? Those have less than {LARGEST_FILE // 2**20} MB",
-            )
-        return read(_parsed(FilePath(path).read_text(encoding="utf-8")))
-    except OSError as error:
-        problem = _refused("document/file", f"the file cannot be read: {error.strerror or error}", "check the path")
-    except UnicodeDecodeError:
-        problem = _refused("document/json", "the file is not text in UTF-8", _JSON_CURE)
+        return read(parse_json(read_bytes(path, limits.file_bytes, "file_bytes"), limits), limits=limits)
     except ProperModelError as error:
-        problem = error
-    raise DocumentError([dataclasses.replace(d, source=Source(file, 0)) for d in problem.diagnostics]) from problem
-
-
-def _parsed(text: str) -> Json:
-    try:
-        return json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
-    except json.JSONDecodeError as error:
-        raise _refused(
-            "document/json", f"the file is not JSON: {error.msg} in line {error.lineno}", _JSON_CURE
-        ) from error
-    except RecursionError:
-        raise _refused(
-            "document/json", "the file is not a document: its JSON is nested too deeply", _JSON_CURE
-        ) from None
-    except ValueError as error:
-        raise _refused("document/json", f"the file is not JSON: {error}", _JSON_CURE) from error
-
-
-def _once(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        double = Counter(name for name, _ in pairs).most_common(1)[0][0]
-        raise malformed("", f"the entry '{double:.60}' is given twice in one object")
-    return found
-
-
-def _no_constant(text: str) -> float:
-    raise malformed("", f"'{text}' is not a number of JSON", 'infinities are written as "inf" and "-inf"')
+        raise of_file(error, path) from error

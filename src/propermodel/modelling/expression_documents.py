@@ -15,6 +15,7 @@ from propermodel.expressions.core import (
     number,
     symbol,
 )
+from propermodel.modelling.limits import exceeded
 from propermodel.modelling.schema import (
     PATH,
     UNIT,
@@ -90,8 +91,12 @@ class ExpressionTable:
 
 def read_expressions(data: Json, place: Place) -> list[Expr]:
     """The expressions of a table of nodes, in its order."""
+    items = as_list(data, place)
+    most = place.references.limits.expressions
+    if len(items) > most:
+        raise exceeded("expressions", f"there are {len(items)} expressions; at most {most} are read", place.text)
     found: list[Expr] = []
-    for index, item in enumerate(as_list(data, place)):
+    for index, item in enumerate(items):
         found.append(_read_node(item, found, place.item(index)))
     return found
 

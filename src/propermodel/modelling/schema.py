@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
@@ -16,16 +17,21 @@ from typing import Any, Generic, Protocol, TypeVar, cast
 from propermodel.diagnostics import DocumentError, Path, ProperModelError, Source, nearest, portable_file
 from propermodel.expressions.core import Expr
 from propermodel.expressions.units import parse_unit
+from propermodel.modelling.limits import Limits, exceeded
 
 Json = Any
 T = TypeVar("T")
 E = TypeVar("E", bound=StrEnum)
 
-LONGEST_NAME = 1000
+# What makes a screen do other things than to show a text, and halves of characters, which no file can hold.
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
 class References(Protocol):
     """What the parts of a document share: expressions and definitions are stored once and referred to."""
+
+    limits: Limits
+    units: set[str]  # that have been read
 
     def write_expr(self, expr: Expr) -> Json: ...
     def read_expr(self, data: Json, place: Place) -> Expr: ...
@@ -67,7 +73,7 @@ def described(data: Json) -> str:
         case bool():
             return "true" if data else "false"
         case int() | float():
-            return f"the number {data!r:.40}"
+            return f"the number {_digits(data)}"
         case str():
             return f"the text {data!r:.60}"
         case dict():
@@ -76,6 +82,12 @@ def described(data: Json) -> str:
             return "a list"
         case _:
             return f"a {type(data).__name__}"
+
+
+def _digits(data: float) -> str:
+    if isinstance(data, int) and data.bit_length() > 256:
+        return f"with {data.bit_length()} bits"
+    return f"{data!r:.40}"
 
 
 def as_list(data: Json, place: Place) -> list[Json]:
@@ -116,29 +128,45 @@ class Codec(Generic[T]):
 # -- leaves ---------------------------------------------------------------------------------------------
 
 
+def check_text(text: str, fault: Callable[[str], ProperModelError]) -> str:
+    """The text, if it can be shown: without control characters."""
+    if _CONTROL.search(text):
+        raise fault(f"the text {text[:60]!r} has control characters")
+    return text
+
+
 def _write_text(value: str, _: References) -> Json:
-    return value
+    return check_text(value, lambda message: malformed("the model", message))
 
 
 def _read_text(data: Json, place: Place) -> str:
     if not isinstance(data, str):
         raise place.fault(f"expected text, found {described(data)}")
-    return data
+    most = place.references.limits.text_characters
+    if len(data) > most:
+        raise exceeded("text_characters", f"a text has {len(data)} characters; at most {most} are read", place.text)
+    return check_text(data, place.fault)
 
 
 def _read_unit(data: Json, place: Place) -> str:
     text = _read_text(data, place)
+    known, most = place.references.units, place.references.limits.units
+    if text in known:
+        return text
+    if len(known) == most:
+        raise exceeded("units", f"there are more than {most} different units", place.text)
     try:
         parse_unit(text)
     except ProperModelError as error:
         raise place.fault(error.diagnostics[0].message, error.diagnostics[0].help) from None
+    known.add(text)
     return text
 
 
-def check_name(text: str, place: Callable[[str], ProperModelError]) -> str:
+def check_name(text: str, fault: Callable[[str], ProperModelError]) -> str:
     """The text, if it can be one name of a path."""
-    if not text or "." in text or len(text) > LONGEST_NAME:
-        raise place(f"'{text:.60}' cannot be a name: names are not empty and have no dots")
+    if not text or "." in text or not text.isprintable():
+        raise fault(f"{text[:60]!r} cannot be a name: names are not empty, can be shown, and have no dots")
     return text
 
 
@@ -147,7 +175,14 @@ def _write_name(value: str, _: References) -> Json:
 
 
 def _read_name(data: Json, place: Place) -> str:
-    return check_name(_read_text(data, place), place.fault)
+    return _short(check_name(_read_text(data, place), place.fault), place)
+
+
+def _short(name: str, place: Place) -> str:
+    most = place.references.limits.name_characters
+    if len(name) > most:
+        raise exceeded("name_characters", f"a name has {len(name)} characters; at most {most} are read", place.text)
+    return name
 
 
 def path_text(path: Path) -> str:
@@ -161,7 +196,7 @@ def _read_path(data: Json, place: Place) -> Path:
     text = _read_text(data, place)
     path = Path(text.split(".")) if text else Path()
     for name in path:
-        check_name(name, place.fault)
+        _short(check_name(name, place.fault), place)
     return path
 
 
@@ -183,7 +218,7 @@ def read_number(data: Json, place: Place) -> float:
     try:
         value = float(data)
     except OverflowError:
-        raise place.fault(f"the number {data!r:.40} is too large") from None
+        raise place.fault(f"{described(data)} is too large") from None
     if not math.isfinite(value):
         raise place.fault("expected a number, found one that is not finite", 'write infinities as "inf" or "-inf"')
     return value
@@ -196,6 +231,16 @@ def _read_finite(data: Json, place: Place) -> float:
     return value
 
 
+def _read_numbers(data: Json, place: Place) -> tuple[float, ...]:
+    items = as_list(data, place)
+    most = place.references.limits.table_points
+    if len(items) > most:
+        raise exceeded("table_points", f"a table has {len(items)} numbers; at most {most} are read", place.text)
+    if set(map(type, items)) == {float} and all(map(math.isfinite, items)):
+        return tuple(items)
+    return tuple(_read_finite(item, place.item(index)) for index, item in enumerate(items))
+
+
 def _read_bool(data: Json, place: Place) -> bool:
     if not isinstance(data, bool):
         raise place.fault(f"expected true or false, found {described(data)}")
@@ -204,20 +249,30 @@ def _read_bool(data: Json, place: Place) -> bool:
 
 def _read_source(data: Json, place: Place) -> Source:
     match data:
-        case [str() as file, int() as line] if not isinstance(line, bool) and line >= 0:
-            return Source(file, line)
+        case [str() as file, line]:
+            return Source(_read_text(file, place.item(0)), _read_count(line, place.item(1)))
         case _:
             raise place.fault("expected a file name and a line number", 'for example ["models/rig.py", 41]')
 
 
+def _read_count(data: Json, place: Place) -> int:
+    if isinstance(data, bool) or not isinstance(data, int) or not 0 <= data < 2**63:
+        raise place.fault(f"expected a count, found {described(data)}")
+    return data
+
+
 TEXT: Codec[str] = Codec(_write_text, _read_text)
+COUNT: Codec[int] = Codec(lambda value, _: value, _read_count)
 UNIT: Codec[str] = Codec(_write_text, _read_unit)
 NAME: Codec[str] = Codec(_write_name, _read_name)
 PATH: Codec[Path] = Codec(lambda path, _: path_text(path), _read_path)
 NUMBER: Codec[float] = Codec(lambda value, _: number_data(value), read_number)
 FINITE: Codec[float] = Codec(lambda value, _: number_data(value), _read_finite)
 BOOLEAN: Codec[bool] = Codec(lambda value, _: value, _read_bool)
-SOURCE: Codec[Source] = Codec(lambda source, _: [portable_file(source.file), source.line], _read_source)
+NUMBERS: Codec[tuple[float, ...]] = Codec(lambda values, _: list(map(number_data, values)), _read_numbers)
+SOURCE: Codec[Source] = Codec(
+    lambda source, references: [_write_text(portable_file(source.file), references), source.line], _read_source
+)
 EXPR: Codec[Expr] = Codec(
     lambda expr, references: references.write_expr(expr),
     lambda data, place: place.references.read_expr(data, place),
@@ -298,7 +353,7 @@ def record(cls: type[T], **entries: Codec[Any]) -> Codec[T]:
         given = as_object(data, place)
         for name in given:
             if name not in entries:
-                raise place.fault(f"unknown entry '{name:.60}'", nearest(name, entries))
+                raise place.fault(f"unknown entry {name[:60]!r}", nearest(name, entries))
         values: dict[str, Any] = {}
         for name, codec in entries.items():
             if name in given:
@@ -330,7 +385,7 @@ def tagged(**alternatives: tuple[type, Codec[Any]]) -> Codec[Any]:
         tag = _read_text(given.pop("type", None), place.key("type"))
         if tag not in alternatives:
             options = ", ".join(alternatives)
-            raise place.key("type").fault(f"expected one of {options}; found '{tag:.60}'", nearest(tag, alternatives))
+            raise place.key("type").fault(f"expected one of {options}; found {tag[:60]!r}", nearest(tag, alternatives))
         return alternatives[tag][1].read(given, place)
 
     return Codec(write, read)

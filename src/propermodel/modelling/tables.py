@@ -29,6 +29,12 @@ def table_values(grids: Sequence[Iterable[float]], values: Iterable[float]) -> T
         ModelError: otherwise.
     """
     data = TableValues(tuple(tuple(float(x) for x in grid) for grid in grids), tuple(float(v) for v in values))
+    if len(data.grids) not in (1, 2):
+        raise ModelError.of(
+            "model/table-grid",
+            f"a table has one or two grids, {len(data.grids)} were given",
+            help="write what depends on more coordinates as several tables",
+        )
     expected = 1
     for grid in data.grids:
         expected *= len(grid)

@@ -7,31 +7,35 @@ The file is an `.npz` archive, read without pickles: `header` (JSON in UTF-8), `
 from __future__ import annotations
 
 import json
-import math
 import os
-import zipfile
 from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path as FilePath
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
-from propermodel.codegen.machine import FloatArray
-from propermodel.diagnostics import DocumentError, Path, Source, one_of, portable_file
+from propermodel.codegen.machine import FloatArray, Method
+from propermodel.diagnostics import DocumentError, Path, ProperModelError, one_of
 from propermodel.expressions.core import Expr
-from propermodel.modelling.documents import (
-    from_document,
-    from_scenario_document,
-    to_document,
-    to_scenario_document,
-)
+from propermodel.modelling.documents import SharedEntries, opened
+from propermodel.modelling.files import FileName, check_size, of_file, open_file, partial_file
+from propermodel.modelling.json_text import parse_json
+from propermodel.modelling.limits import LIMITS, Limits
 from propermodel.modelling.model import Model, Scenario
-from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus, Statistics, Trajectory, observable_path
+from propermodel.modelling.schema import Place, malformed
+from propermodel.simulation.archives import read_arrays
+from propermodel.simulation.trajectory import (
+    Ending,
+    EventRecord,
+    Statistics,
+    TableUse,
+    Trajectory,
+    observable_path,
+)
+from propermodel.simulation.trajectory_format import HEADER, Header
 
 FORMAT = "propermodel-trajectory"
 VERSION = 1
-LARGEST_HEADER = 256 * 1024 * 1024  # bytes
 
 _ARRAYS = ("time", "columns", "integral_times", "integrals", "activities")
 
@@ -42,7 +46,7 @@ class StoredTrajectory:
 
     model: Model
     scenario: Scenario
-    method: str
+    method: Method
     step: float
     jacobian_every: int
     time: FloatArray
@@ -51,6 +55,8 @@ class StoredTrajectory:
     ending: Ending
     statistics: Statistics
     events: tuple[EventRecord, ...]
+    notes: tuple[str, ...]
+    outside_tables: tuple[TableUse, ...]
     _columns: FloatArray
     _entries: Mapping[Path, int]
     _integrals: FloatArray
@@ -101,7 +107,7 @@ class StoredTrajectory:
 
 def save_trajectory(
     trajectory: Trajectory,
-    file: str | os.PathLike[str],
+    file: FileName,
     *,
     only: Iterable[Expr | Path | str] | None = None,
 ) -> None:
@@ -116,38 +122,23 @@ def save_trajectory(
     chosen = trajectory.paths if only is None else _columns_of(only, known)
     kept = list(dict.fromkeys(trajectory.recorded[known[path].index] for path in chosen))
     place = {column: position for position, column in enumerate(kept)}
-    header = {
-        "format": FORMAT,
-        "version": VERSION,
-        "name": trajectory.compiled.model.name,
-        "method": trajectory.method.value,
-        "step_s": trajectory.step,
-        "jacobian_every": trajectory.jacobian_every,
-        "ending": {
-            "status": trajectory.ending.status.value,
-            "message": trajectory.ending.message,
-            "time_s": trajectory.ending.time,
-            "path": list(trajectory.ending.path),
-        },
-        "events": [
-            [event.time, list(event.element), _number(event.energy_before), _number(event.energy_after)]
-            for event in trajectory.events
-        ],
-        "statistics": {
-            "steps": trajectory.statistics.steps,
-            "wall_s": trajectory.statistics.wall_s,
-            "build_s": trajectory.statistics.build_s,
-        },
-        "columns": [
-            [list(path), trajectory.unit(path), place[trajectory.recorded[known[path].index]]] for path in chosen
-        ],
-        "powers": [[p.kind, list(p.path)] for p in trajectory.compiled.lowered.powers],
-        "scenario": to_scenario_document(trajectory.scenario),
-        "model": to_document(trajectory.compiled.model),
-    }
-    text = json.dumps(header, allow_nan=False).encode()
-    target = FilePath(file)
-    partial = target.with_name(f"{target.name}.part")
+    header = Header(
+        method=trajectory.method,
+        step=trajectory.step,
+        jacobian_every=trajectory.jacobian_every,
+        ending=trajectory.ending,
+        statistics=trajectory.statistics,
+        events=trajectory.events,
+        notes=trajectory.notes,
+        outside_tables=trajectory.outside_tables,
+        columns=tuple((path, trajectory.unit(path), place[trajectory.recorded[known[path].index]]) for path in chosen),
+        powers=tuple((power.kind, power.path) for power in trajectory.compiled.lowered.powers),
+        scenario=trajectory.scenario,
+        model=trajectory.compiled.model,
+    )
+    document = {"format": FORMAT, "version": VERSION, **HEADER.write(header, SharedEntries())}
+    text = json.dumps(document, allow_nan=False).encode()
+    partial = partial_file(file)
     with partial.open("wb") as stream:
         np.savez_compressed(
             stream,
@@ -158,12 +149,7 @@ def save_trajectory(
             integrals=trajectory.integrals,
             activities=trajectory.activities,
         )
-    partial.replace(target)
-
-
-def _number(value: float) -> float | str:
-    """A number as JSON, also where a failed run has none."""
-    return value if math.isfinite(value) else str(value)
+    partial.replace(file)
 
 
 def _columns_of(observables: Iterable[Expr | Path | str], known: Container[Path]) -> tuple[Path, ...]:
@@ -177,86 +163,53 @@ def _columns_of(observables: Iterable[Expr | Path | str], known: Container[Path]
     return tuple(found)
 
 
-def load_trajectory(file: str | os.PathLike[str]) -> StoredTrajectory:
+def load_trajectory(file: FileName, *, limits: Limits = LIMITS) -> StoredTrajectory:
     """The run that a file holds.
 
     Raises:
-        DocumentError: the file cannot be read, or is no trajectory of this version.
+        DocumentError: the file cannot be read, is no trajectory of this version, or goes beyond a limit.
     """
     try:
-        with np.load(FilePath(file), allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in ("header", *_ARRAYS)}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError, TypeError) as error:
-        raise _refused(file, "document/file", f"the file cannot be read as a trajectory: {error}") from error
-    if arrays["header"].nbytes > LARGEST_HEADER:
-        raise _refused(file, "document/size", f"its header has {arrays['header'].nbytes} bytes")
-    try:
-        header = json.loads(arrays.pop("header").tobytes().decode())
-        if header["format"] != FORMAT:
-            raise _refused(file, "document/format", f"its format is '{header['format']:.60}', not '{FORMAT}'")
-        if header["version"] != VERSION:
-            raise _refused(
-                file,
-                "document/version",
-                f"its version is {header['version']!r:.20}; version {VERSION} is read",
-            )
-        return _opened(header, arrays)
-    except (ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError) as error:
-        raise _refused(file, "document/content", f"its header is damaged: {error}") from error
+        with open_file(file) as stream:
+            check_size(os.fstat(stream.fileno()).st_size, limits.trajectory_bytes, "trajectory_bytes")
+            arrays = dict(read_arrays(stream, ("header", *_ARRAYS), limits.trajectory_bytes))
+        document = parse_json(arrays.pop("header").tobytes(), limits)
+        top = Place("", SharedEntries(limits))
+        return _stored(HEADER.read(opened(document, FORMAT, top), top), cast("Mapping[str, FloatArray]", arrays))
+    except ProperModelError as error:
+        raise of_file(error, file) from error
 
 
-def _opened(header: dict[str, Any], arrays: Mapping[str, FloatArray]) -> StoredTrajectory:
-    rows = [(_path(path), str(unit), int(column)) for path, unit, column in header["columns"]]
-    powers = {_path(path): index for index, (kind, path) in enumerate(header["powers"]) if kind != "outside"}
-    width = 1 + max((column for _, _, column in rows), default=-1)
+def _stored(header: Header, arrays: Mapping[str, FloatArray]) -> StoredTrajectory:
     times, marks = len(arrays["time"]), len(arrays["integral_times"])
+    width = 1 + max((column for _, _, column in header.columns), default=-1)
     expected = {
         "time": (times,),
         "columns": (times, width),
         "integral_times": (marks,),
-        "integrals": (marks, len(header["powers"])),
-        "activities": (marks, len(header["powers"])),
+        "integrals": (marks, len(header.powers)),
+        "activities": (marks, len(header.powers)),
     }
     for name, shape in expected.items():
         if arrays[name].shape != shape or arrays[name].dtype != np.float64:
-            raise ValueError(f"'{name}' is not an array of {shape} numbers")
-    if any(column < 0 for _, _, column in rows):
-        raise ValueError("a column has a negative number")
-    ending, statistics = header["ending"], header["statistics"]
+            raise malformed(name, f"expected an array of {shape} numbers, found one of {arrays[name].shape}")
     return StoredTrajectory(
-        model=from_document(header["model"]),
-        scenario=from_scenario_document(header["scenario"]),
-        method=str(header["method"]),
-        step=float(header["step_s"]),
-        jacobian_every=int(header.get("jacobian_every", 1)),
+        model=header.model,
+        scenario=header.scenario,
+        method=header.method,
+        step=header.step,
+        jacobian_every=header.jacobian_every,
         time=arrays["time"],
-        units={path: unit for path, unit, _ in rows},
+        units={path: unit for path, unit, _ in header.columns},
         integral_times=arrays["integral_times"],
-        ending=Ending(
-            RunStatus(ending["status"]),
-            str(ending["message"]),
-            float(ending["time_s"]),
-            _path(ending["path"]),
-        ),
-        statistics=Statistics(int(statistics["steps"]), float(statistics["wall_s"]), float(statistics["build_s"])),
-        events=tuple(
-            EventRecord(float(time), _path(path), float(before), float(after))
-            for time, path, before, after in header.get("events", [])
-        ),
+        ending=header.ending,
+        statistics=header.statistics,
+        events=header.events,
+        notes=header.notes,
+        outside_tables=header.outside_tables,
         _columns=arrays["columns"],
-        _entries={path: column for path, _, column in rows},
+        _entries={path: column for path, _, column in header.columns},
         _integrals=arrays["integrals"],
         _activities=arrays["activities"],
-        _powers=powers,
+        _powers={path: index for index, (kind, path) in enumerate(header.powers) if kind != "outside"},
     )
-
-
-def _path(names: Any) -> Path:
-    """A path from its names, which may themselves hold dots."""
-    if not isinstance(names, list):
-        raise TypeError(f"'{names!r:.60}' is not a list of names")
-    return Path(str(name) for name in cast("list[Any]", names))
-
-
-def _refused(file: str | os.PathLike[str], code: str, message: str) -> DocumentError:
-    return DocumentError.of(code, message, source=Source(portable_file(os.fspath(file)), 0))

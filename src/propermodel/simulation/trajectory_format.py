@@ -1,0 +1,91 @@
+"""The header of a saved trajectory: what a run was and how it went, with its model and scenario."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from propermodel.codegen.machine import Method
+from propermodel.diagnostics import DocumentError, Path
+from propermodel.modelling.documents import (
+    from_document,
+    from_scenario_document,
+    to_document,
+    to_scenario_document,
+)
+from propermodel.modelling.model import Model, Scenario
+from propermodel.modelling.schema import (
+    COUNT,
+    FINITE,
+    TEXT,
+    Codec,
+    Json,
+    Place,
+    choice,
+    many,
+    read_number,
+    record,
+    together,
+)
+from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus, Statistics, TableUse
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Header:
+    """All of a saved run but its arrays."""
+
+    method: Method
+    step: float
+    ending: Ending
+    statistics: Statistics
+    columns: tuple[tuple[Path, str, int], ...]  # observable, unit, column
+    powers: tuple[tuple[str, Path], ...]  # kind and path of each integral
+    scenario: Scenario
+    model: Model
+    jacobian_every: int = 1
+    events: tuple[EventRecord, ...] = ()
+    notes: tuple[str, ...] = ()
+    outside_tables: tuple[TableUse, ...] = ()
+
+
+def _inner(write: Callable[[T], Json], read: Callable[..., T]) -> Codec[T]:
+    """A document within this one."""
+
+    def read_inner(data: Json, place: Place) -> T:
+        try:
+            return read(data, limits=place.references.limits)
+        except DocumentError as error:
+            faults = [replace(d, where=f"{place.text}: {d.where}".rstrip(": ")) for d in error.diagnostics]
+            raise DocumentError(faults) from error
+
+    return Codec(lambda value, _: write(value), read_inner)
+
+
+def _read_any_number(data: Json, place: Place) -> float:
+    return math.nan if data == "nan" else read_number(data, place)
+
+
+# A failed run ends in numbers that are none.
+_ANY_NUMBER: Codec[float] = Codec(lambda value, _: value if math.isfinite(value) else str(value), _read_any_number)
+# Names of observables may hold dots, so their paths are lists.
+_NAMES: Codec[Path] = Codec(lambda path, _: list(path), lambda data, place: Path(many(TEXT).read(data, place)))
+
+HEADER = record(
+    Header,
+    method=choice(Method),
+    step=FINITE,
+    jacobian_every=COUNT,
+    ending=record(Ending, status=choice(RunStatus), message=TEXT, time=_ANY_NUMBER, path=_NAMES),
+    statistics=record(Statistics, steps=COUNT, wall_s=FINITE, build_s=FINITE),
+    events=many(record(EventRecord, time=FINITE, element=_NAMES, energy_before=_ANY_NUMBER, energy_after=_ANY_NUMBER)),
+    notes=many(TEXT),
+    outside_tables=many(record(TableUse, path=_NAMES, seconds=FINITE)),
+    columns=many(together(_NAMES, TEXT, COUNT)),
+    powers=many(together(TEXT, _NAMES)),
+    scenario=_inner(to_scenario_document, from_scenario_document),
+    model=_inner(to_document, from_document),
+)
