@@ -138,8 +138,20 @@ CASES = (
     Case(
         code="data/number",
         run=lambda: measured("time,height\n0,1\n1,high\n2,2\n"),
-        names=("line 3", "road.csv", "height"),
+        names=("line 3", "road.csv:3", "'high' in column 'height'"),
         cure="correct the line",
+    ),
+    Case(
+        code="data/time",
+        run=lambda: measured("time,height\n0,1\n2,2\n1,3\n"),
+        names=("line 4", "road.csv:4", "the time 1"),
+        cure="sort the lines",
+    ),
+    Case(
+        code="data/csv",
+        run=lambda: pm.measured(file_of(b"time,height\n0,1\n\xff\xfe,2\n", "road.csv")),
+        names=("road.csv:3", "UTF-8"),
+        cure="save the table as CSV",
     ),
     Case(code="data/dimensions", run=two_dimensions, names=("'time', 'wheel'",), cure="select one value"),
     Case(
