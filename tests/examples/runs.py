@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
+from unittest.mock import patch
 
+import propermodel as pm
 from propermodel.cli.models import Subject, load_subject
 from propermodel.simulation.trajectory import Trajectory
 
@@ -24,6 +28,14 @@ def subject(name: str) -> Subject:
 
 
 @cache
+def run_of(name: str) -> tuple[Trajectory, Mapping[str, Any]]:
+    """The run of an example's scenario, and the options that its author simulates it with."""
+    with patch.object(pm, "simulate", wraps=pm.simulate) as asked:
+        run = module(name).run(subject(name).model)
+    asked.assert_called_once()
+    return run, asked.call_args.kwargs
+
+
 def answer(name: str) -> Trajectory:
     """The run of an example's scenario."""
-    return module(name).run(subject(name).model)
+    return run_of(name)[0]

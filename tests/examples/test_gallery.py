@@ -1,4 +1,4 @@
-"""What every example keeps: a docstring that teaches, a short file, closed energy, a document that runs the same."""
+"""What every example keeps: a docstring that teaches, a short file, closed energy."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from propermodel.analysis.balance import energy_balance
-from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
-from tests.examples.runs import FOLDER, NAMES, answer, module, subject
+from tests.examples.runs import FOLDER, NAMES, answer, module
 
 # Sampled controllers and jumps of inputs make the order of integration one at their instants.
 TOLERANCE = dict.fromkeys(NAMES, 1e-06)
@@ -31,18 +30,6 @@ def test_the_run_completes_and_its_energy_balance_closes(name: str):
     assert energy_balance(run).relative_residual < TOLERANCE[name]
     for output in module(name).OUTPUTS:
         assert np.ptp(run[output]) > 0.0, output
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_the_document_is_equal_and_runs_the_same(name: str, tmp_path):
-    model, scenario = subject(name).model, module(name).scenario()
-    write_model(model, tmp_path / "model.json")
-    write_scenario(scenario, tmp_path / "scenario.json")
-    again = read_model(tmp_path / "model.json")
-    assert again == model
-    assert read_scenario(tmp_path / "scenario.json") == scenario
-    run = module(name).run(again)
-    assert (run.columns == answer(name).columns).all()
 
 
 @pytest.mark.parametrize("name", NAMES)
