@@ -42,7 +42,8 @@ JUNK = st.one_of(
     st.lists(st.integers(0, 9), max_size=3),
     st.dictionaries(st.sampled_from(["type", "name", "value", "ports"]), st.integers(0, 3), max_size=2),
 )
-ACTIONS = ("change", "delete", "double", "swap", "retype", "extreme")
+# What is `like` keeps the form of a document, so that deeper checks are met.
+ACTIONS = ("like", "like", "like", "like", "change", "delete", "double", "swap", "retype", "extreme")
 
 
 def places(value: Any) -> list[tuple[Any, ...]]:
@@ -56,6 +57,12 @@ def places(value: Any) -> list[tuple[Any, ...]]:
         items = item.items() if isinstance(item, dict) else enumerate(item) if isinstance(item, list) else ()
         stack.extend(((*at, key), inner) for key, inner in items)
     return found
+
+
+def form(place: tuple[Any, ...]) -> tuple[Any, ...]:
+    """What a place is in the format, whichever entry of a list it is in."""
+    *above, last = place
+    return (*("#" if isinstance(key, int) else key for key in above), last)
 
 
 def at(document: Any, place: tuple[Any, ...]) -> Any:
@@ -102,9 +109,14 @@ def changed_documents(draw: st.DrawFn, original: Any) -> Any:
     """A document with up to four places where something is changed, lost, doubled, exchanged, retyped or enormous."""
     document = copy.deepcopy(original)
     known = places(original)
+    alike: dict[tuple[Any, ...], list[tuple[Any, ...]]] = {}
+    for place in known:
+        alike.setdefault(form(place), []).append(place)
+    # Each form alike: most places of a document are nodes of its expressions.
     for _ in range(draw(st.integers(1, 4))):
-        place, other = draw(st.sampled_from(known)), draw(st.sampled_from(known))
+        place = draw(st.sampled_from(alike[draw(st.sampled_from(list(alike)))]))
         action = draw(st.sampled_from(ACTIONS))
+        other = draw(st.sampled_from(alike[form(place)] if action == "like" else known))
         junk = draw(JUNK) if action == "change" else None
         try:
             parent, key = at(document, place[:-1]), place[-1]
@@ -119,6 +131,7 @@ def changed_documents(draw: st.DrawFn, original: Any) -> Any:
                 new = {
                     "change": lambda junk=junk: junk,
                     "swap": lambda other=other: copy.deepcopy(at(original, other)),
+                    "like": lambda other=other: copy.deepcopy(at(original, other)),
                     "retype": lambda old=old: retyped(old),
                     "extreme": lambda old=old: extreme(old),
                 }[action]()

@@ -8,6 +8,7 @@ import tracemalloc
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -206,6 +207,9 @@ def test_the_amount_of_values_is_known_before_they_are_made():
     data = b"[" + b"{}," * 2_000_000 + b"{}]"
     with within(2.0, 10.0):
         assert "the document has up to 4000003 values" in refused(data, parse_json)
+    names = b'["' + b"a." * 8_000_002 + b'"]'
+    with within(2.0, 40.0):
+        assert "values; at most 4000000 are read" in refused(names, parse_json)
     quotes = b'"' * 17_000_000
     with within(2.0, 40.0):
         assert "values; at most 4000000 are read" in refused(quotes, parse_json)
@@ -236,7 +240,7 @@ def test_texts_that_control_screens_are_refused():
     assert r"the text '\x1b]0;owned\x07' has control characters" in refused(given)
 
 
-def test_large_tables_are_read(tmp_path):
+def test_large_tables_are_read(tmp_path: Path):
     # A road of 460 000 points, as the scenarios of trucks have.
     count = 460_000
     times = tuple(n * 1e-3 + 1e-7 for n in range(count))

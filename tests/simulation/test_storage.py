@@ -22,7 +22,7 @@ from propermodel.modelling.limits import Limits
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.storage import load_trajectory, save_trajectory
 from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus, Trajectory
-from tests.strangers import damaged_bytes
+from tests.strangers import changed_documents, damaged_bytes
 
 MODEL = f"{Path(__file__).parents[1] / 'cli' / 'quarter_car.py'}:QuarterCar"
 
@@ -275,3 +275,21 @@ def test_damaged_bytes_are_refused_or_make_no_difference(file: Path, tmp_path: P
     except DocumentError:
         return
     assert len(stored.time) == 101
+
+
+@given(st.data())
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_changed_headers_are_refused_or_make_a_run(file: Path, tmp_path: Path, data: st.DataObject):
+    with np.load(file) as archive:
+        header = json.loads(archive["header"].tobytes())
+    small = {**header, "model": None, "scenario": None}  # which are tested by themselves
+    drawn = data.draw(changed_documents(small))
+    changed = {name: header.get(name) if value is None else value for name, value in drawn.items()}
+    try:
+        stored = load_trajectory(_changed(file, tmp_path / "changed.npz", **changed))
+    except DocumentError as error:
+        refused = error
+    else:
+        assert len(stored.time) == 101
+        return
+    assert len(str(refused)) < 10_000

@@ -38,9 +38,12 @@ def parse_json(data: bytes, limits: Limits) -> Json:
 
 
 def _check_amount(text: str, limits: Limits) -> None:
-    """Every value follows a comma or opens a list or an object, and every value has at most one name."""
-    values = 1 + sum(map(text.count, ",[{"))
-    if values > limits.values or text.count('"') > 4 * limits.values:
+    """Refuse too many values, or too many texts or names in paths for so many values.
+
+    Every value follows a comma or opens a list or an object, has at most one name, and a number at most one dot.
+    """
+    values = max(1 + sum(map(text.count, ",[{")), text.count('"') // 4, text.count(".") // 2)
+    if values > limits.values:
         raise exceeded("values", f"the document has up to {values} values; at most {limits.values} are read")
 
 
