@@ -414,3 +414,9 @@ def test_a_vector_port_has_ports_and_inputs_only():
         class Heavy(pm.VectorPort):  # pyright: ignore[reportUnusedClass]
             x = pm.Port(pm.Translation)
             mass: pm.Parameter = pm.parameter("kg")
+
+
+@pytest.mark.parametrize("name", ["path", "members", "gives", "giving"])
+def test_a_member_may_not_be_called_as_what_a_vector_port_needs(name: str):
+    with pytest.raises(ModelError, match=f"Odd calls a member '{name}'"):
+        type("Odd", (pm.VectorPort,), {name: pm.Port(pm.Translation)})

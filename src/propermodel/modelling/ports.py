@@ -118,6 +118,13 @@ class VectorPort:
         super().__init_subclass__(**options)
         templates: dict[str, Member] = dict(cls.templates)
         for name, value in vars(cls).items():
+            if isinstance(value, Member) and name in RESERVED_MEMBERS:
+                raise ModelError.of(
+                    "model/reserved-name",
+                    f"{cls.__name__} calls a member '{name}', as every vector port calls what it needs itself",
+                    source=call_site(1),
+                    help=f"choose another name, for example '{name}_1'",
+                )
             if isinstance(value, Member) and not (isinstance(value, Port) and value.between):
                 templates[name] = value
             elif isinstance(value, Expr | Port):
@@ -170,6 +177,10 @@ class VectorPort:
 
         def __getattr__(self, name: str) -> Any:
             raise unknown_name(f"the vector port {type(self).__name__}", name, self.templates)
+
+
+# What no member of a vector port may be called; dir() also lists the names that instances have.
+RESERVED_MEMBERS = frozenset({*dir(VectorPort), *VectorPort.__annotations__})
 
 
 def member_name(vector: str, member: str) -> str:
