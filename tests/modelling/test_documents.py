@@ -582,3 +582,51 @@ def test_the_vehicle_has_one_of_everything():
     # Guards the tests above.
     kinds = {d.get("behaviour", {}).get("type") for d in to_document(VEHICLE)["definitions"]}
     assert kinds == {"storage", "source", "two_port", "junction", "block", "sampled", "resistance", None}
+
+
+def test_all_faults_of_a_document_are_told_at_once():
+    document = copy.deepcopy(to_document(VEHICLE))
+    first = document["definitions"][0]
+    first["ports"][0]["domian"] = first["ports"][0].pop("domain")
+    first["source"] = "models/rig.py"
+    document["domains"][0]["shared"] = "nothing"
+    document["root"]["source"] = ["models/rig.py", -1]
+    document["removals"] = [{"type": "zero_efort", "bond": "a"}]
+    with pytest.raises(DocumentError) as caught:
+        from_document(document)
+    places = [diagnostic.where for diagnostic in caught.value.diagnostics]
+    assert places == [
+        "definitions[0].ports[0]",
+        "definitions[0].ports[0]",
+        "definitions[0].source",
+        "root.source[1]",
+        "domains[0].shared",
+        "removals[0].type",
+    ]
+    assert caught.value.diagnostics[0].help == "did you mean 'domain'?"
+
+
+def test_all_faults_of_expressions_are_told_at_once_without_what_follows_from_them():
+    document = copy.deepcopy(to_document(VEHICLE))
+    count = len(document["expressions"])
+    document["expressions"] += [["sinn", 0], ["+", count, 0], ["+", 0], ["constant", "many"]]
+    with pytest.raises(DocumentError) as caught:
+        from_document(document)
+    places = [diagnostic.where for diagnostic in caught.value.diagnostics]
+    assert places == [f"expressions[{count}]", f"expressions[{count + 2}]", f"expressions[{count + 3}][1]"]
+
+
+def test_a_document_full_of_faults_is_told_in_part():
+    document = copy.deepcopy(to_document(VEHICLE))
+    document["removals"] = [{"type": "zero_efort", "bond": "a"}] * 1000
+    with pytest.raises(DocumentError) as caught:
+        from_document(document)
+    assert len(caught.value.diagnostics) == 20
+
+
+def test_all_faults_of_a_scenario_are_told_at_once():
+    document = {**to_scenario_document(Scenario()), "stop": "late", "inputs": {"a": "x", "b": [1.0]}, "start": None}
+    with pytest.raises(DocumentError) as caught:
+        from_scenario_document(document)
+    places = [diagnostic.where for diagnostic in caught.value.diagnostics]
+    assert sorted(places) == ["inputs.a", "inputs.b", "start", "stop"]

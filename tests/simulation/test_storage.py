@@ -110,7 +110,7 @@ def _changed(file: Path, target: Path, **changes: object) -> Path:
 def test_a_changed_header_is_refused(file: Path, tmp_path: Path, changes: dict, where: str, message: str):
     with pytest.raises(DocumentError, match=message) as caught:
         load_trajectory(_changed(file, tmp_path / "changed.npz", **changes))
-    (fault,) = caught.value.diagnostics
+    fault, *_ = caught.value.diagnostics
     assert (fault.source.file, fault.where) == ("changed.npz", where)
 
 

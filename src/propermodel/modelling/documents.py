@@ -20,14 +20,28 @@ from propermodel.modelling.formats import DEFINITION, DOMAIN, PART, REMOVAL, SCE
 from propermodel.modelling.json_text import parse_json
 from propermodel.modelling.limits import LIMITS, Limits, exceeded
 from propermodel.modelling.model import Definition, Model, Scenario
-from propermodel.modelling.schema import TEXT, Json, Place, as_index, as_list, as_object, described, many
+from propermodel.modelling.schema import (
+    MOST_FAULTS,
+    TEXT,
+    Json,
+    Place,
+    Unreadable,
+    as_index,
+    as_list,
+    as_object,
+    described,
+    many,
+    record,
+)
 
 MODEL_FORMAT = "propermodel-model"
 SCENARIO_FORMAT = "propermodel-scenario"
 VERSION = 1
-MOST_FAULTS = 20  # told of one document
 
 T = TypeVar("T")
+
+
+MODEL = record(Model, name=TEXT, root=PART, domains=many(DOMAIN), removals=many(REMOVAL))
 
 
 # -- models ---------------------------------------------------------------------------------------------
@@ -76,11 +90,15 @@ class SharedEntries:
                 self._by_identity[id(definition)] = index
                 stack.pop()
 
-    def read_definitions(self, data: Json, place: Place) -> None:
+    def read_definitions(self, data: Json, place: Place, faults: Unreadable) -> None:
         """Read definitions in order; each uses only earlier ones."""
         sizes: dict[int, _Size] = {}
         for index, item in enumerate(as_list(data, place)):
-            definition = DEFINITION.read(item, place.item(index))
+            definition = Definition(type_name="", doc="")  # in place of what cannot be read
+            try:
+                definition = DEFINITION.read(item, place.item(index))
+            except DocumentError as error:
+                faults.add(error)
             size = _size_of(definition, [sizes[id(part.definition)] for part in definition.parts])
             _check_size(size, self.limits, place.item(index))
             sizes[id(definition)] = size
@@ -147,14 +165,17 @@ def from_document(document: Json, *, limits: Limits = LIMITS) -> Model:
     given = opened(document, MODEL_FORMAT, top)
     entries = {"name", "domains", "root", "removals", "definitions", "expressions"}
     _check_entries(given, entries, top)
-    shared.expressions = read_expressions(given["expressions"], top.key("expressions"))
-    shared.read_definitions(given["definitions"], top.key("definitions"))
-    model = Model(
-        name=TEXT.read(given["name"], top.key("name")),
-        root=PART.read(given["root"], top.key("root")),
-        domains=many(DOMAIN).read(given["domains"], top.key("domains")),
-        removals=many(REMOVAL).read(given["removals"], top.key("removals")),
-    )
+    unreadable = Unreadable()
+    shared.expressions = read_expressions(given["expressions"], top.key("expressions"), unreadable)
+    unreadable.raise_if_any()  # everything else refers to expressions
+    shared.read_definitions(given["definitions"], top.key("definitions"), unreadable)
+    model: Model | None = None
+    try:
+        model = MODEL.read({name: given[name] for name in ("name", "root", "domains", "removals")}, top)
+    except DocumentError as error:
+        unreadable.add(error)
+    unreadable.raise_if_any()
+    assert model is not None
     faults = faults_of(model, limits, most=MOST_FAULTS)
     if faults:
         raise DocumentError(faults)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from propermodel.diagnostics import Path
+from propermodel.diagnostics import DocumentError, Path
 from propermodel.expressions.core import (
     CONDITIONS,
+    ZERO,
     Expr,
     Op,
     Symbol,
@@ -21,6 +22,7 @@ from propermodel.modelling.schema import (
     UNIT,
     Json,
     Place,
+    Unreadable,
     as_index,
     as_list,
     described,
@@ -89,16 +91,34 @@ class ExpressionTable:
         return [node.op.value, *axis, *(self._index[arg] for arg in node.args)]
 
 
-def read_expressions(data: Json, place: Place) -> list[Expr]:
-    """The expressions of a table of nodes, in its order."""
+def read_expressions(data: Json, place: Place, faults: Unreadable) -> list[Expr]:
+    """The expressions of a table of nodes, in its order; zero in place of those that cannot be read."""
     items = as_list(data, place)
     most = place.references.limits.expressions
     if len(items) > most:
         raise exceeded("expressions", f"there are {len(items)} expressions; at most {most} are read", place.text)
     found: list[Expr] = []
+    unread: set[int] = set()
     for index, item in enumerate(items):
-        found.append(_read_node(item, found, place.item(index)))
+        try:
+            # What is made of a node that cannot be read is no fault of its own.
+            if not unread.intersection(_uses(item)):
+                found.append(_read_node(item, found, place.item(index)))
+                continue
+        except DocumentError as error:
+            faults.add(error)
+        unread.add(index)
+        found.append(ZERO)
     return found
+
+
+def _uses(data: Json) -> list[int]:
+    """The nodes that a node may be made of."""
+    match data:
+        case [str() as name, *rest] if name in _OPERATIONS:
+            return [entry for entry in rest if isinstance(entry, int)]
+        case _:
+            return []
 
 
 def _read_node(data: Json, before: list[Expr], place: Place) -> Expr:

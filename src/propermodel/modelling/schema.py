@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Generic, Protocol, TypeVar, cast
 
-from propermodel.diagnostics import DocumentError, Path, ProperModelError, Source, nearest, portable_file
+from propermodel.diagnostics import Diagnostic, DocumentError, Path, ProperModelError, Source, nearest, portable_file
 from propermodel.expressions.core import Expr
 from propermodel.expressions.units import parse_unit
 from propermodel.modelling.limits import Limits, exceeded
@@ -22,6 +22,9 @@ from propermodel.modelling.limits import Limits, exceeded
 Json = Any
 T = TypeVar("T")
 E = TypeVar("E", bound=StrEnum)
+
+CONTENT = "document/content"
+MOST_FAULTS = 20  # told of one document
 
 # What makes a screen do other things than to show a text, and halves of characters, which no file can hold.
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")
@@ -59,10 +62,28 @@ class Place:
         return malformed(self.text, message, help)
 
 
+class Unreadable:
+    """What is wrong with a document, collected while it is read; beyond a limit reading stops at once."""
+
+    def __init__(self) -> None:
+        self.found: list[Diagnostic] = []
+
+    def add(self, error: DocumentError) -> None:
+        """Remember a fault, and go on unless there are many or it is no matter of content."""
+        self.found.extend(error.diagnostics)
+        if len(self.found) >= MOST_FAULTS or any(d.code != CONTENT for d in error.diagnostics):
+            self.raise_if_any()
+
+    def raise_if_any(self) -> None:
+        """Raise what was found, as far as it is told."""
+        if self.found:
+            raise DocumentError(self.found[:MOST_FAULTS])
+
+
 def malformed(where: str, message: str, help: str = "") -> DocumentError:
     """The error for a document with unreadable content."""
     cure = help or "correct the document here, or write it again with the program that made the model"
-    return DocumentError.of("document/content", message, where=where or "the document", help=cure)
+    return DocumentError.of(CONTENT, message, where=where or "the document", help=cure)
 
 
 def described(data: Json) -> str:
@@ -308,8 +329,21 @@ def many(inner: Codec[T]) -> Codec[tuple[T, ...]]:
     """Any number of values of one kind."""
     return Codec(
         lambda values, references: [inner.write(value, references) for value in values],
-        lambda data, place: tuple(inner.read(item, place.item(i)) for i, item in enumerate(as_list(data, place))),
+        lambda data, place: tuple(_each(place, ((inner, item) for item in as_list(data, place)))),
     )
+
+
+def _each(place: Place, items: Iterable[tuple[Codec[Any], Json]]) -> list[Any]:
+    """The items of a list, each with what reads it; all that cannot be read is told."""
+    faults = Unreadable()
+    values: list[Any] = []
+    for index, (codec, item) in enumerate(items):
+        try:
+            values.append(codec.read(item, place.item(index)))
+        except DocumentError as error:
+            faults.add(error)
+    faults.raise_if_any()
+    return values
 
 
 def together(*inner: Codec[Any]) -> Codec[Any]:
@@ -319,7 +353,7 @@ def together(*inner: Codec[Any]) -> Codec[Any]:
         items = as_list(data, place)
         if len(items) != len(inner):
             raise place.fault(f"expected a list of {len(inner)}, found one of {len(items)}")
-        return tuple(c.read(item, place.item(i)) for i, (c, item) in enumerate(zip(inner, items, strict=True)))
+        return tuple(_each(place, zip(inner, items, strict=True)))
 
     return Codec(
         lambda values, references: [c.write(value, references) for c, value in zip(inner, values, strict=True)],
@@ -329,11 +363,20 @@ def together(*inner: Codec[Any]) -> Codec[Any]:
 
 def by_path(inner: Codec[T]) -> Codec[Mapping[Path, T]]:
     """Values by path, as an object."""
+
+    def read(data: Json, place: Place) -> dict[Path, T]:
+        faults = Unreadable()
+        values: dict[Path, T] = {}
+        for key, value in as_object(data, place).items():
+            try:
+                values[_read_path(key, place)] = inner.read(value, place.key(key))
+            except DocumentError as error:
+                faults.add(error)
+        faults.raise_if_any()
+        return values
+
     return Codec(
-        lambda values, references: {path_text(path): inner.write(v, references) for path, v in values.items()},
-        lambda data, place: {
-            _read_path(key, place): inner.read(value, place.key(key)) for key, value in as_object(data, place).items()
-        },
+        lambda values, references: {path_text(path): inner.write(v, references) for path, v in values.items()}, read
     )
 
 
@@ -351,15 +394,20 @@ def record(cls: type[T], **entries: Codec[Any]) -> Codec[T]:
 
     def read(data: Json, place: Place) -> T:
         given = as_object(data, place)
+        faults = Unreadable()
         for name in given:
             if name not in entries:
-                raise place.fault(f"unknown entry {name[:60]!r}", nearest(name, entries))
+                faults.add(place.fault(f"unknown entry {name[:60]!r}", nearest(name, entries)))
         values: dict[str, Any] = {}
         for name, codec in entries.items():
-            if name in given:
-                values[name] = codec.read(given[name], place.key(name))
-            elif defaults[name] is dataclasses.MISSING:
-                raise place.fault(f"the entry '{name}' is missing")
+            try:
+                if name in given:
+                    values[name] = codec.read(given[name], place.key(name))
+                elif defaults[name] is dataclasses.MISSING:
+                    raise place.fault(f"the entry '{name}' is missing")
+            except DocumentError as error:
+                faults.add(error)
+        faults.raise_if_any()
         return cls(**values)
 
     return Codec(write, read)
