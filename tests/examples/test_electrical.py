@@ -211,3 +211,19 @@ def test_a_coil_runs_down_through_a_diode():
     # The docstring: through a resistor that takes as much at the start it would last longer.
     with_resistor = 0.5 * np.exp(-(R + start / 0.5) / L * run.time)
     assert np.all(run["coil.port.flow"][1:] < with_resistor[1:])
+
+
+def test_a_buck_converter_is_two_linear_circuits_in_turn():
+    run = answer("buck_converter")
+    L, C, R, V, period, duty = 200e-6, 100e-6, 5.0, 24.0, 5e-5, 0.25
+    a, on = np.array([[0.0, -1 / L], [1 / C, -1 / (R * C)]]), np.array([V / L, 0.0])
+    x, opening, ending = np.array([1.0, 5.0]), expm(a * duty * period), expm(a * (1 - duty) * period)
+    gain = np.linalg.solve(a, on)
+    for k in range(1, 21):
+        x = ending @ (opening @ (x + gain) - gain)
+        row = np.searchsorted(run.time, k * period - 1e-9)
+        assert run["coil.port.flow"][row] == pytest.approx(x[0], rel=1e-6)
+        assert run["load.port.effort"][row] == pytest.approx(x[1], rel=1e-6)
+        assert x[0] > 0.0  # always a way for the current
+    powers = run["switch.port.effort"] * run["switch.port.flow"], run["diode.port.effort"] * run["diode.port.flow"]
+    assert np.abs(powers).max() < 1e-12

@@ -55,6 +55,7 @@ class InterpretedMachine:
         self._corrections = [Code(program, function, numbers) for function in program.corrections]
         self._guards = None if program.guards is None else Code(program, program.guards, numbers)
         self._jumps = None if program.jumps is None else Code(program, program.jumps, numbers)
+        self._switching = None if program.switching is None else Code(program, program.switching, numbers)
         self._implicit = (
             None if program.implicit_step is None else ImplicitCode(program, program.implicit_step, numbers)
         )
@@ -110,6 +111,11 @@ class InterpretedMachine:
         """The JUMP array at the memory's time; the memory is not changed."""
         codes = [] if self._jumps is None else [self._jumps]
         return self._evaluated(memory.copy(), codes).arrays[Array.JUMP]
+
+    def switching(self, memory: Memory) -> FloatArray:
+        """The SWITCHING array at the memory's time; the memory is not changed."""
+        codes = [] if self._switching is None else [self._switching]
+        return self._evaluated(memory.copy(), codes).arrays[Array.SWITCHING]
 
     def advance(self, memory: Memory, step: float) -> None:
         """Take one step of this length whatever the guards say."""

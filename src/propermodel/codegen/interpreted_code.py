@@ -40,6 +40,7 @@ class Working:
             Array.SIGNAL: zeros(Array.SIGNAL),
             Array.GUARD: zeros(Array.GUARD),
             Array.JUMP: zeros(Array.JUMP),
+            Array.SWITCHING: zeros(Array.SWITCHING),
             Array.STEP: zeros(Array.STEP),
             Array.FACTOR: zeros(Array.FACTOR),
             Array.STAGE: zeros(Array.STAGE),

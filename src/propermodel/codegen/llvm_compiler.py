@@ -14,6 +14,8 @@ from enum import StrEnum
 from functools import lru_cache
 from typing import Any
 
+from propermodel.codegen.program import Program
+
 LARGE_MODULE = 1_000_000  # characters
 _compile_lock = threading.Lock()
 
@@ -104,7 +106,7 @@ def compile_text(text: str, effort: Effort) -> bytes:
 class Library:
     """Machine code loaded into this process, and its entry points; it stays as long as this object."""
 
-    def __init__(self, code: bytes, has_events: bool) -> None:
+    def __init__(self, code: bytes, program: Program) -> None:
         binding = _binding()
         with _compile_lock:
             target = _target(Levels(0, 0))
@@ -115,10 +117,12 @@ class Library:
         self.rates = self._function("evaluate.rates", ctypes.c_double)
         self.observe = self._function("evaluate.observe", ctypes.c_double)
         self.sample = self._function("evaluate.sample", ctypes.c_double)
-        if has_events:
+        if program.guards is not None:
             self.guards = self._function("evaluate.guards", ctypes.c_double)
             self.jumps = self._function("evaluate.jumps", ctypes.c_double)
             self.advance = self._function("advance", ctypes.c_double, ctypes.c_double)
+        if program.switching is not None:
+            self.switching = self._function("evaluate.switching", ctypes.c_double)
 
     def _function(self, name: str, *last: Any) -> Callable[..., int]:
         prototype = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *last)

@@ -19,6 +19,7 @@ def reserve_events(frame: Frame, program: Program, state_rows: int) -> None:
     frame.reserve(Array.GUARD, guards)
     frame.reserve("guard.before", guards)
     frame.reserve(Array.JUMP, lengths.get(Array.JUMP, 0))
+    frame.reserve(Array.SWITCHING, lengths.get(Array.SWITCHING, 0))
     for region, rows in _kept_rows(program, state_rows).items():
         frame.reserve(_KEPT[region], rows)
     frame.reserve("event.step", 1)
@@ -33,7 +34,10 @@ def _kept_rows(program: Program, state_rows: int) -> dict[str, int]:
 
 
 def write_events(module: Module, program: Program, state_rows: int) -> None:
-    """Write `keep`, `take.back`, `meets.event` and the entries `evaluate.guards`, `evaluate.jumps`, `advance`."""
+    """Write `keep`, `take.back`, `meets.event` and the entries `evaluate.guards`, `evaluate.jumps`, `advance`.
+
+    Programs with ideal switches also get `evaluate.switching`.
+    """
     frame = module.frame
     rows = _kept_rows(program, state_rows)
     for name, is_back in (("keep", False), ("take.back", True)):
@@ -49,11 +53,8 @@ def write_events(module: Module, program: Program, state_rows: int) -> None:
             ]
         module.functions.append("\n".join([f"define internal void @{name}(ptr %w) {{", *lines, "  ret void", "}"]))
     _write_meets_event(module, program)
-    for name, body in (
-        ("evaluate.guards", f"  call void @guards({PASSED})"),
-        ("evaluate.jumps", f"  call void @jumps({PASSED})"),
-    ):
-        module.functions.append(_entry(name, ARGUMENTS, body))
+    for name in ("guards", "jumps", *(["switching"] if program.switching is not None else [])):
+        module.functions.append(_entry(f"evaluate.{name}", ARGUMENTS, f"  call void @{name}({PASSED})"))
     step = "  %well = call i1 @step(ptr %w, ptr %tables, double %t, double %h, i1 true)"
     if program.implicit_step is not None:
         step += "\n  %t.end = fadd double %t, %h\n  %is.closed = call i1 @close(ptr %w, ptr %tables, double %t.end)"

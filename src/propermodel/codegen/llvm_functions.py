@@ -73,6 +73,8 @@ class Writer:
             self._write_function("guards", program.guards, rows)
         if program.jumps is not None:
             self._write_function("jumps", program.jumps, rows, is_rare=True)
+        if program.switching is not None:
+            self._write_function("switching", program.switching, rows, is_rare=True)
         if program.implicit_step is not None:
             for function in program.implicit_step.functions:
                 self._write_function(function.name, function, rows)

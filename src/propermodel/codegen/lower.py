@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from propermodel.bondgraph.graph import BondGraph, SampledController, Variables
 from propermodel.bondgraph.pseudo import pseudo_elements
@@ -25,7 +25,7 @@ from propermodel.codegen.program import (
 from propermodel.diagnostics import Path
 from propermodel.equations.corrections import Correction, corrections_of
 from propermodel.equations.definitions import sign_at
-from propermodel.equations.system import EquationSystem, Impacts, ImplicitBlock, StateKind
+from propermodel.equations.system import EquationSystem, Impacts, ImplicitBlock, StateKind, Switching
 from propermodel.expressions.core import (
     ONE,
     TIME,
@@ -39,6 +39,8 @@ from propermodel.expressions.core import (
     where,
 )
 from propermodel.modelling.model import Variable
+
+IndexArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,21 @@ class ImpactSlots:
     first: int  # in JUMP: the states afterwards, then what each event loses
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SwitchingSlots:
+    """Where a block with ideal switches has its weights, among the unknowns, and its numbers, in SWITCHING.
+
+    From `first` on stand the residuals, their derivatives by rows, and those of the residuals' rates of change.
+    """
+
+    of_residual: IndexArray  # size x size, as the next two
+    of_drift: IndexArray
+    of_other: IndexArray
+    tolerance: IndexArray
+    first: int
+    paths: tuple[Path, ...]
+
+
 @dataclass(frozen=True)
 class Lowered:
     """A program with the meaning of its entries: powers, observables (several may share an entry), parameters."""
@@ -80,6 +97,7 @@ class Lowered:
     tables: tuple[Path, ...]
     targets: tuple[tuple[Slot, ...], ...] = ()  # of each event: what it changes, in the order of JUMP
     impacts: ImpactSlots | None = None
+    switching: tuple[SwitchingSlots, ...] = ()
 
 
 def lower(system: EquationSystem) -> Lowered:
@@ -103,12 +121,13 @@ def lower(system: EquationSystem) -> Lowered:
     if impacts is not None:
         jumps += [*(value for _, value in impacts.updates), *impacts.losses]
         inside = [*impacts.residuals, *(e for row in impacts.jacobian for e in row)]
+    switched = [value for s in system.switching for value in numbers_of(s)]
     outside = _time_outside([state.derivative for state in system.states], system)
     powers = (*powers, *outside)
     roots += [e.value for e in outside]
     periods = [controller.period for controller in graph.controllers]
     # Last, so that what events mention gives nothing else another slot.
-    used = leaves(*roots, *periods, *guards, *jumps, *inside)
+    used = leaves(*roots, *periods, *guards, *jumps, *inside, *switched)
     held = tuple(h for h, _ in graph.held)
     parameters = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.PARAMETER)
     tables = tuple(leaf for leaf in used if leaf.data.kind is SymbolKind.TABLE)
@@ -116,7 +135,9 @@ def lower(system: EquationSystem) -> Lowered:
     unknowns += tuple(rank_symbol(c) for c in corrections if c.rank is not None)
     if impacts is not None:
         unknowns += (*impacts.unknowns, *(flag for _, flag in impacts.flags))
+    unknowns += tuple(weight for s in system.switching for weight in _weights(s))
     counts = {Array.POWER: len(powers), Array.SIGNAL: len(signals), Array.GUARD: len(guards), Array.JUMP: len(jumps)}
+    counts[Array.SWITCHING] = len(switched)
     layout = _layout(system, parameters, held, tables, unknowns, counts)
     rates = [Assign(Slot(Array.RATE, i), s.derivative) for i, s in enumerate(system.states)]
     displacement_rates = [
@@ -134,6 +155,7 @@ def lower(system: EquationSystem) -> Lowered:
         corrections=tuple(_correction(k, correction, layout) for k, correction in enumerate(corrections)),
         guards=_function("guards", system, _assignments(Array.GUARD, guards)) if guards else None,
         jumps=_jumps(system, jumps, inside) if guards else None,
+        switching=_switching(system, switched) if switched else None,
     )
     return Lowered(
         program=program,
@@ -145,6 +167,7 @@ def lower(system: EquationSystem) -> Lowered:
         tables=tuple(leaf.data.path for leaf in tables),
         targets=tuple(tuple(layout.slots[target] for target, _ in event.changes) for event in system.events),
         impacts=None if impacts is None else _impact_slots(impacts, layout, first),
+        switching=tuple(_switching_slots(system, layout)),
     )
 
 
@@ -164,6 +187,44 @@ def _impact_slots(impacts: Impacts, layout: Layout, first: int) -> ImpactSlots:
         states=tuple(layout.slots[state] for state, _ in impacts.updates),
         first=first,
     )
+
+
+def numbers_of(switching: Switching) -> tuple[Expr, ...]:
+    """What the weights of a block with switches follow from, in the order of SWITCHING."""
+    matrices = (*switching.jacobian, *switching.drift_jacobian)
+    return (*switching.residuals, *(entry for row in matrices for entry in row))
+
+
+def _weights(switching: Switching) -> tuple[Expr, ...]:
+    matrices = (*switching.of_residual, *switching.of_drift, *switching.of_other)
+    return (*(weight for row in matrices for weight in row), *switching.tolerance)
+
+
+def _switching(system: EquationSystem, numbers: list[Expr]) -> Function:
+    """What weights follow from; other blocks are solved, those with switches are not."""
+    assigns = _assignments(Array.SWITCHING, numbers)
+    switched = {s.unknowns for s in system.switching}
+    needed = _function("switching", system, assigns)
+    return Function(
+        "switching", tuple(s for s in needed.steps if not isinstance(s, Solve) or s.unknowns not in switched)
+    )
+
+
+def _switching_slots(system: EquationSystem, layout: Layout) -> Iterator[SwitchingSlots]:
+    first = 0
+    for switching in system.switching:
+
+        def indices(weights: Iterable[Expr]) -> IndexArray:
+            return np.array([layout.slots[weight].index for weight in weights], dtype=np.int64)
+
+        size = len(switching.unknowns)
+        matrices = (switching.of_residual, switching.of_drift, switching.of_other)
+        of_residual, of_drift, of_other = (
+            indices(weight for row in matrix for weight in row).reshape(size, size) for matrix in matrices
+        )
+        tolerance = indices(switching.tolerance)
+        yield SwitchingSlots(of_residual, of_drift, of_other, tolerance, first, switching.paths)
+        first += len(numbers_of(switching))
 
 
 def _in_run_order(system: EquationSystem) -> list[SampledController]:

@@ -249,6 +249,10 @@ class Machine(Protocol):
         """The JUMP array at the memory's time; the memory is not changed."""
         ...
 
+    def switching(self, memory: Memory) -> FloatArray:
+        """The SWITCHING array at the memory's time; the memory is not changed."""
+        ...
+
     def advance(self, memory: Memory, step: float) -> None:
         """Take one step of this length whatever the guards say.
 

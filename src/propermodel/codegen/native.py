@@ -57,7 +57,7 @@ class NativeMachine:
         self._tables: ReadyTables | None = None
 
     def _load(self, native: NativeCode) -> None:
-        self._library = Library(native.code, self._program.guards is not None)
+        self._library = Library(native.code, self._program)
         self._arrangement = native.arrangement
         self._effort = native.effort
 
@@ -140,6 +140,12 @@ class NativeMachine:
         if self._program.jumps is None:
             return np.zeros(0)
         return self._evaluated(memory, self._library.jumps).get(Array.JUMP)
+
+    def switching(self, memory: Memory) -> FloatArray:
+        """The SWITCHING array at the memory's time; the memory is not changed."""
+        if self._program.switching is None:
+            return np.zeros(0)
+        return self._evaluated(memory, self._library.switching).get(Array.SWITCHING)
 
     def advance(self, memory: Memory, step: float) -> None:
         """Take one step of this length whatever the guards say."""

@@ -30,6 +30,7 @@ class Array(StrEnum):
     FACTOR = "factor"  # of the matrix of an implicit step, kept while it serves
     STAGE = "stage"  # what the stages of an implicit step hand on
     WEAK = "weak"  # one entry: 1 + the first state whose equation in an implicit step is singular, or 0
+    SWITCHING = "switching"  # of blocks with ideal switches: residuals and derivatives, from which weights follow
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +140,8 @@ class Program:
     displacements only; `observe` computes SIGNAL; `samples[k]` computes the DISCRETE entries of sampled controllers
     of rate k, due every `periods[k]` (an index into PARAMETER). `corrections` compute entries of STATE after every
     step, one after the other. A program with events has `guards`, which computes GUARD, and `jumps`, which computes
-    JUMP. For an implicit method there is `implicit_step`.
+    JUMP; `switching`, which computes SWITCHING, solves no block with switches, but reads what was solved last. For an
+    implicit method there is `implicit_step`.
     """
 
     rates: Function
@@ -151,6 +153,7 @@ class Program:
     corrections: tuple[Function, ...] = ()
     guards: Function | None = None
     jumps: Function | None = None
+    switching: Function | None = None
     implicit_step: ImplicitStep | None = None
 
     @property
@@ -166,5 +169,5 @@ class Program:
 
     @property
     def _optional(self) -> tuple[Function, ...]:
-        events = (function for function in (self.guards, self.jumps) if function is not None)
+        events = (function for function in (self.guards, self.jumps, self.switching) if function is not None)
         return (*events, *(() if self.implicit_step is None else self.implicit_step.functions))

@@ -60,6 +60,7 @@ def with_reciprocals(program: Program) -> Program:
         corrections=tuple(of(function) for function in program.corrections),
         guards=None if program.guards is None else of(program.guards),
         jumps=None if program.jumps is None else of(program.jumps),
+        switching=None if program.switching is None else of(program.switching),
         implicit_step=None if implicit is None else replaced_step(implicit),
     )
 

@@ -11,6 +11,7 @@ from propermodel.causality.fields import Mixed
 from propermodel.causality.implicit import pair
 from propermodel.diagnostics import Path
 from propermodel.equations.fields import causality_of, decide
+from propermodel.equations.switching import other_way
 from propermodel.equations.system import BlockKind
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, divide, leaves, symbol, where
 from propermodel.modelling.model import (
@@ -46,6 +47,7 @@ class Implied:
     unknown: Expr
     residual: Expr
     kind: BlockKind = BlockKind.LOOP
+    other: Expr = ZERO  # of an ideal switch: what the residual would be if it were the other way
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,7 +302,20 @@ def _define_implicit(
     for target, residual in zip(targets, residuals, strict=True):
         unknown = symbol(SymbolKind.UNKNOWN, target.data.path, target.data.unit)
         found.values[target] = unknown
-        found.implied.append(Implied(element, unknown, residual, BlockKind.IMPLICIT))
+        other = _other_way(causal, variables, element, ports, residual)
+        kind = BlockKind.IMPLICIT if other is None else BlockKind.SWITCH
+        found.implied.append(Implied(element, unknown, residual, kind, ZERO if other is None else other))
+
+
+def _other_way(
+    causal: CausalGraph, variables: Variables, element: Element, ports: dict[str, Bond | None], residual: Expr
+) -> Expr | None:
+    """What an ideal switch with one port says when it is the other way; None for what is none."""
+    bond = next(iter(ports.values()))
+    if len(ports) != 1 or bond is None or all(event.element != element.path for event in causal.graph.events):
+        return None
+    effort, flow = (variables.of(bond, variable) for variable in (Variable.EFFORT, Variable.FLOW))
+    return other_way(residual, element.path, effort, flow)
 
 
 def _define_storage(

@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 from propermodel.bondgraph.graph import Element, Variables
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.fields import Mixed
-from propermodel.causality.graph_algorithms import strong_components
 from propermodel.diagnostics import Diagnostic, Faults, Involved, Path, Source, StructureError
+from propermodel.equations.blocks import solve_blocks
 from propermodel.equations.closures import closures_of, positions_of
-from propermodel.equations.condense import condense
 from propermodel.equations.definitions import Definitions, define
 from propermodel.equations.events import SystemEvent, system_events
 from propermodel.equations.fields import causality_of, is_coordinate, state_symbol
@@ -25,12 +24,11 @@ from propermodel.equations.system import (
     BlockKind,
     DependentStorage,
     EquationSystem,
-    ImplicitBlock,
-    SolvedBlock,
     StateKind,
     StateVariable,
     Stored,
 )
+from propermodel.equations.unknowns import Unknown
 from propermodel.equations.vanishing import is_independent
 from propermodel.expressions.core import (
     ONE,
@@ -40,7 +38,6 @@ from propermodel.expressions.core import (
     SymbolKind,
     constant,
     divide,
-    is_zero,
     leaves,
     symbol,
     where,
@@ -48,18 +45,10 @@ from propermodel.expressions.core import (
 from propermodel.expressions.derivatives import directional_derivative, partial_derivatives
 from propermodel.modelling.model import Coordinate, ElementKind, Storage, Variable
 
-# While a resistance is locked its remaining flow decays with this time constant, s; it is the slip left at closing.
-LOCK_RELAXATION = constant(0.02, "s")
-
-
-@dataclass(frozen=True, slots=True)
-class Unknown:
-    """One unknown of the implicit part with its residual."""
-
-    symbol: Expr
-    residual: Expr
-    element: Path
-    kind: BlockKind
+# While a resistance is locked, or a switch holds a state, what remains of the flow (or effort) decays with this time
+# constant, s; it is the slip left at closing.
+RELAXATION = 0.02
+LOCK_RELAXATION = constant(RELAXATION, "s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +72,9 @@ def formulate(causal: CausalGraph) -> EquationSystem:
     states, rates, inflows = _states(causal, resolution)
     faults = Faults(StructureError)
     unknowns = _unknowns(definitions, resolution, rates, inflows, faults)
-    solved, blocks, solution = _solve_blocks(unknowns, faults)
+    blocks = solve_blocks(unknowns, rates, faults)
     faults.raise_if_any()
-    finish = Substitution(solution)
+    finish = Substitution(blocks.solution)
     values = {target: finish(value) for target, value in resolution.values.items()}
     events: tuple[SystemEvent, ...] = ()
     with faults.collecting():
@@ -118,8 +107,8 @@ def formulate(causal: CausalGraph) -> EquationSystem:
         states=finished,
         dependents=_dependents(definitions, resolution, states),
         closures=closures_of(causal, definitions, resolution, states),
-        blocks=tuple(blocks),
-        solved=tuple(solved),
+        blocks=tuple(blocks.implicit),
+        solved=tuple(blocks.solved),
         values=values,
         energies=_energies(causal, resolution, finish),
         rows=rows_of(causal),
@@ -127,6 +116,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
         events=events,
         impacts=impacts_of(causal, definitions, resolution, states, events, finish),
         modulations=modulations_of(causal, finished, lambda expr: finish(resolution.complete(expr))),
+        switching=tuple(blocks.switching),
     )
 
 
@@ -272,7 +262,13 @@ def _unknowns(
         for unknown, target in resolution.torn.items()
     ]
     found += [
-        Unknown(implied.unknown, resolution.complete(implied.residual), implied.element.path, implied.kind)
+        Unknown(
+            implied.unknown,
+            resolution.complete(implied.residual),
+            implied.element.path,
+            implied.kind,
+            resolution.complete(implied.other),
+        )
         for implied in definitions.implied
     ]
     found += [
@@ -281,6 +277,8 @@ def _unknowns(
     ]
     answering = (*definitions.dependents, *definitions.lockables, *definitions.held)
     answers = {item.unknown for item in answering}
+    # The rate of what a switch answers with may be infinite.
+    answers |= {item.unknown for item in definitions.implied if item.kind is BlockKind.SWITCH}
     drifting = _RateUnknowns({unknown.symbol: unknown for unknown in found}, rates, answers)
     for dependent in definitions.dependents:
         with faults.collecting():
@@ -366,102 +364,6 @@ def _higher_index(element: Element, leaf: Expr) -> StructureError:
             )
         ]
     )
-
-
-def _solve_blocks(
-    unknowns: list[Unknown], faults: Faults
-) -> tuple[list[SolvedBlock], list[ImplicitBlock], dict[Expr, Expr]]:
-    """Sort the unknowns into blocks; eliminate linear ones, leave the others to Newton's method."""
-    index = {u.symbol: i for i, u in enumerate(unknowns)}
-    edges = [(i, index[leaf]) for i, u in enumerate(unknowns) for leaf in leaves(u.residual) if leaf in index]
-    solved: list[SolvedBlock] = []
-    blocks: list[ImplicitBlock] = []
-    solution: dict[Expr, Expr] = {}
-    for component in strong_components(len(unknowns), edges):
-        members = [unknowns[i] for i in component]
-        with faults.collecting():
-            _solve_block(members, solved, blocks, solution)
-    return solved, blocks, solution
-
-
-def _solve_block(
-    members: list[Unknown], solved: list[SolvedBlock], blocks: list[ImplicitBlock], solution: dict[Expr, Expr]
-) -> None:
-    """Eliminate the unknowns of one block if it is linear, otherwise leave it to Newton's method."""
-    symbols = [u.symbol for u in members]
-    substitute = Substitution(solution)
-    residuals = [substitute(u.residual) for u in members]
-    partials = partial_derivatives(residuals, symbols)
-    matrix = [[p.get(s, constant(0.0)) for s in symbols] for p in partials]
-    paths = tuple(u.element for u in members)
-    inside = set(symbols)
-    is_open = any(u.kind is BlockKind.CONSTRAINT for u in members)
-    if not is_open and not any(inside & set(leaves(entry)) for row in matrix for entry in row):
-        at_zero = Substitution(dict.fromkeys(symbols, constant(0.0)))
-        right = [-at_zero(residual) for residual in residuals]
-        values = eliminate(matrix, right, list(paths))
-        solution.update(zip(symbols, values, strict=True))
-        solved.append(
-            SolvedBlock(
-                unknowns=tuple(symbols),
-                paths=paths,
-                kinds=tuple(u.kind for u in members),
-                matrix=tuple(tuple(row) for row in matrix),
-            )
-        )
-    else:
-        block, eliminated = _reduce_block(members, residuals, matrix)
-        solution.update(eliminated)
-        blocks.append(block)
-        if eliminated:
-            inner = [u for u in members if u.symbol in eliminated]
-            solved.append(
-                SolvedBlock(
-                    unknowns=tuple(u.symbol for u in inner),
-                    paths=tuple(u.element for u in inner),
-                    kinds=tuple(u.kind for u in inner),
-                )
-            )
-
-
-def _reduce_block(
-    members: list[Unknown], residuals: list[Expr], matrix: list[list[Expr]]
-) -> tuple[ImplicitBlock, dict[Expr, Expr]]:
-    """Eliminate the unknowns that a nonlinear block only contains linearly; Newton's method gets the others."""
-    inside = {u.symbol for u in members}
-    nonlinear = {leaf for row in matrix for entry in row for leaf in leaves(entry) if leaf in inside}
-    # The efforts of closed loops are eliminated with numbers, with pivots: their matrix may become singular on the way.
-    keep = [
-        i
-        for i, u in enumerate(members)
-        if u.kind is BlockKind.CONSTRAINT or u.symbol in nonlinear or is_zero(matrix[i][i])
-    ]
-    drop = [i for i in range(len(members)) if i not in keep]
-    eliminated: dict[Expr, Expr] = {}
-    if drop:
-        at_zero = Substitution({members[i].symbol: constant(0.0) for i in drop})
-        values = eliminate(
-            [[matrix[i][j] for j in drop] for i in drop],
-            [-at_zero(residuals[i]) for i in drop],
-            [members[i].element for i in drop],
-        )
-        eliminated = {members[i].symbol: value for i, value in zip(drop, values, strict=True)}
-    substitute = Substitution(eliminated)
-    symbols = tuple(members[i].symbol for i in keep)
-    left = tuple(substitute(residuals[i]) for i in keep)
-    condensed = condense(symbols, left)
-    if condensed is not None:
-        symbols, left = condensed.unknowns, condensed.residuals
-        finish = Substitution(condensed.eliminated)
-        eliminated = {unknown: finish(value) for unknown, value in eliminated.items()} | condensed.eliminated
-    partials = partial_derivatives(left, symbols)
-    block = ImplicitBlock(
-        unknowns=symbols,
-        residuals=left,
-        jacobian=tuple(tuple(p.get(s, constant(0.0)) for s in symbols) for p in partials),
-        paths=tuple(members[i].element for i in keep),
-    )
-    return block, eliminated
 
 
 # -- what else the system needs ----------------------------------------------------------------------------

@@ -22,7 +22,7 @@ def equations_text(system: EquationSystem) -> str:
         names = ", ".join(str(path) for path in dict.fromkeys(block.paths))
         lines.append(f"  solved by Newton's method: {names}")
     roots = [state.derivative for state in system.states]
-    roots += [residual for block in system.blocks for residual in block.residuals]
+    roots += [residual for block in system.blocks for residual in system.laws_of(block)]
     nodes = postorder(roots)
     names = _names(system, nodes)
     known: dict[Expr, str] = {}
@@ -31,7 +31,7 @@ def equations_text(system: EquationSystem) -> str:
             lines.append(f"  {names[node]} = {to_text(node, known)}")
             known[node] = names[node]
     for block in system.blocks:
-        lines.extend(f"  0 = {to_text(residual, known)}" for residual in block.residuals)
+        lines.extend(f"  0 = {to_text(residual, known)}" for residual in system.laws_of(block))
     width = max((len(str(state.path)) for state in system.states), default=0)
     lines.extend(f"  d/dt {s.path!s:<{width}} = {to_text(s.derivative, known)}" for s in system.states)
     return "\n".join(lines)

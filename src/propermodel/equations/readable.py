@@ -154,7 +154,7 @@ def state_equations(of: EquationSystem | HasEquations, outputs: Iterable[Path | 
     blocks = tuple(
         ReadableBlock(
             tuple(work.written(unknown) for unknown in block.unknowns),
-            tuple(work.written(residual) for residual in block.residuals),
+            tuple(work.written(residual) for residual in system.laws_of(block)),
         )
         for block in system.blocks
     )
@@ -235,7 +235,7 @@ class _Work:
         self._values = system.values
         self._quantities = _quantities(graph, system.values)
         roots = [state.derivative for state in system.states]
-        roots += [residual for block in system.blocks for residual in block.residuals]
+        roots += [residual for block in system.blocks for residual in system.laws_of(block)]
         roots += [value for _, values in system.updates for _, value in values]
         self._uses = Counter(arg for node in postorder(roots) for arg in node.args)
         self._uses.update(roots)

@@ -44,6 +44,7 @@ class BlockKind(StrEnum):
     LOCK = "locked resistance"
     CONSTRAINT = "kinematic constraint"
     IMPLICIT = "implicit law"
+    SWITCH = "ideal switch"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +65,26 @@ class SolvedBlock:
     paths: tuple[Path, ...]
     kinds: tuple[BlockKind, ...]
     matrix: tuple[tuple[Expr, ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Switching:
+    """The equations of a block with ideal switches, as they are before they are weighed.
+
+    Row i of the block is the sum over j of `of_residual[i][j]` times residual j, `of_drift[i][j]` times its rate of
+    change with the unknowns held, and `of_other[i][j]` times what it would be if its switch were the other way. What
+    is weighed with `of_other` must vanish to `tolerance[i]`. Weights stand among the unknowns and change at events.
+    """
+
+    unknowns: tuple[Expr, ...]
+    residuals: tuple[Expr, ...]
+    jacobian: tuple[tuple[Expr, ...], ...]
+    drift_jacobian: tuple[tuple[Expr, ...], ...]
+    of_residual: tuple[tuple[Expr, ...], ...]
+    of_drift: tuple[tuple[Expr, ...], ...]
+    of_other: tuple[tuple[Expr, ...], ...]
+    tolerance: tuple[Expr, ...]
+    paths: tuple[Path, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +185,11 @@ class EquationSystem:
     events: tuple[SystemEvent, ...] = ()
     impacts: Impacts | None = None
     modulations: tuple[Modulation, ...] = ()
+    switching: tuple[Switching, ...] = ()
+
+    def laws_of(self, block: ImplicitBlock) -> tuple[Expr, ...]:
+        """What a block says in terms of laws: its residuals, without the weights that switches give them."""
+        return next((s.residuals for s in self.switching if s.unknowns == block.unknowns), block.residuals)
 
     def __str__(self) -> str:
         return equations_text(self)

@@ -12,6 +12,7 @@ from propermodel.expressions.core import (
     ZERO,
     Expr,
     ExprLike,
+    Op,
     Substitution,
     SymbolKind,
     as_expr,
@@ -19,6 +20,7 @@ from propermodel.expressions.core import (
     divide,
     is_zero,
     leaves,
+    postorder,
     substitute,
     symbol,
 )
@@ -217,9 +219,10 @@ def variable_symbol(port: str, variable: Variable, domain: Any) -> Expr:
 
 
 def linear_inverse(law: Expr, argument: Expr, result: Expr) -> Expr | None:
-    """The argument as a function of the result when the law is linear in it, otherwise None."""
+    """The argument as a function of the result when the law is linear in it whatever conditions say, otherwise None."""
     gain = derivative(law, argument)
-    if is_zero(gain) or argument in leaves(gain):
+    may_vanish = any(node.op is Op.WHERE and any(map(is_zero, node.args[1:])) for node in postorder([gain]))
+    if may_vanish or is_zero(gain) or argument in leaves(gain):
         return None
     offset = substitute(law, {argument: ZERO})
     return divide(result - offset, gain)

@@ -10,6 +10,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path
 from propermodel.simulation.overflow import Overflow, overflow_at_end
 from propermodel.simulation.singular import singular_reason
+from propermodel.simulation.switches import contradiction
 from propermodel.simulation.trajectory import Ending, RunStatus
 
 
@@ -102,6 +103,9 @@ def failed_ending(compiled: CompiledModel, failure: Failure, memory: Memory, bef
         case _:
             block = list(number_solves(compiled.lowered.program))[failure.index]
             names = ", ".join(str(path) for path in dict.fromkeys(block.paths))
+            if any(switching.unknowns == block.unknowns for switching in compiled.system.switching):
+                message = f"stopped at {failure.time:.6g} s: {contradiction(block.paths)}"
+                return Ending(RunStatus.FAILED, message, failure.time, block.paths[0])
             closing = [str(c.element) for c in compiled.system.closures if c.element in block.paths]
             if closing and (len(closing) == len(block.paths) or block.unknowns[0].data.path.name == "rank"):
                 return Ending(

@@ -20,6 +20,8 @@ from propermodel.codegen.machine import FloatArray, IntArray, Machine, Memory, h
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError
+from propermodel.simulation.commutation import commutate
+from propermodel.simulation.switches import Switches
 from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus
 
 MOST_IN_ONE_STEP = 100  # events of one element within the length of one step
@@ -62,6 +64,7 @@ class Events:
         self._happened: list[EventRecord] = []
         self._recent: dict[Path, deque[float]] = {}
         self._energies = _energy_entries(compiled.lowered, compiled)
+        self._switches = Switches(compiled.lowered, machine.switching)
 
     @property
     def records(self) -> tuple[EventRecord, ...]:
@@ -73,8 +76,15 @@ class Events:
         if not memory.guard.size:
             return None
         try:
+            signals = self._machine.observe(memory)
+            self._switches.decide(memory)
             guards = self._machine.guards(memory)
-            return self._change(memory, guards) if has_risen(memory.guard, guards).any() else None
+            if has_risen(memory.guard, guards).any() or self._switches.violation(memory).size > 0.0:
+                if not self._switches:  # before the start nothing says how switches were
+                    self._keep_row(memory.time, signals)
+                return self._change(memory, guards, signals)
+            self._switches.hold(memory)
+            return None
         except SimulationError as error:
             return _unsolved(memory.time, error)
 
@@ -83,7 +93,9 @@ class Events:
         try:
             found = self._find(memory, step)
             _move(found.memory, memory)
-            return self._change(memory, found.guards)
+            signals = self._machine.observe(memory)
+            self._keep_row(memory.time, signals)
+            return self._change(memory, found.guards, signals)
         except SimulationError as error:
             return _unsolved(memory.time, error)
 
@@ -125,15 +137,19 @@ class Events:
 
     # -- the changes -------------------------------------------------------------------------------
 
-    def _change(self, memory: Memory, guards: FloatArray) -> Ending | None:
-        """Make the changes of all guards that have become positive, and of those that these raise."""
-        signals = self._machine.observe(memory)
-        self._keep_row(memory.time, signals)
+    def _change(self, memory: Memory, guards: FloatArray, signals: FloatArray) -> Ending | None:
+        """Make the changes of all guards that have become positive, and of those that these raise.
+
+        What switches hold is settled when no further one moves.
+        """
         is_stopped = False
         for _ in range(MOST_ROUNDS):
             risen = np.flatnonzero(has_risen(memory.guard, guards))
             memory.guard[:] = guards
             if not risen.size:
+                guards, signals = self._settle(memory, signals)
+                if has_risen(memory.guard, guards).any():
+                    continue
                 self._keep_row(memory.time, signals)
                 return _stopped(memory.time) if is_stopped else self._endless(memory.time)
             is_stopped = is_stopped or self._stop in risen
@@ -143,6 +159,7 @@ class Events:
             for number in risen[risen != self._stop]:
                 before = self._energy(signals)
                 self._apply(memory, int(number), values)
+                self._switches.decide(memory)
                 signals = self._machine.observe(memory)
                 element = self._compiled.system.events[number].element
                 after = self._energy(signals)
@@ -156,6 +173,25 @@ class Events:
         count = Counter(record.element for record in self._happened if record.time == memory.time)
         path = count.most_common(1)[0][0]
         return _chattering(path, memory.time, f"{MOST_ROUNDS} times in a row, they make each other happen at once")
+
+    def _settle(self, memory: Memory, signals: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Bring the states where the switches ask them to be; the guards and signals then."""
+        if not self._switches:
+            return memory.guard, signals
+        before = self._energy(signals)
+        done = commutate(self._compiled, self._machine, self._switches, memory)
+        self._switches.hold(memory)
+        signals = self._machine.observe(memory)
+        after = self._energy(signals)
+        if done is not None and not done.is_small:
+            if after > before:
+                raise SimulationError.of(
+                    "simulation/not-converged",
+                    f"an impulse of {', '.join(map(str, done.members))} would add {after - before:g} J",
+                    help="put a resistance in series with the switch",
+                )
+            self._happened.append(EventRecord(memory.time, done.element, before, after))
+        return self._machine.guards(memory), signals
 
     def _jumps(self, memory: Memory, risen: IntArray) -> FloatArray:
         """What these events make of the run, impulses of all of them together."""

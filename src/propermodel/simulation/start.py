@@ -11,6 +11,7 @@ import numpy as np
 from propermodel.bondgraph.parameters import faults_of_range, in_unit
 from propermodel.bondgraph.parameters import parameter_values as find_values
 from propermodel.causality.transformer_loops import redundant_loops
+from propermodel.codegen.lower import numbers_of
 from propermodel.codegen.machine import FloatArray, Memory, start_memory
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
@@ -23,7 +24,9 @@ from propermodel.simulation.consistent import close_loops, keep_loops_closed
 from propermodel.simulation.evaluate import HeldTable
 from propermodel.simulation.finite import faults_of_scenario, faults_of_values
 from propermodel.simulation.merging import Starts, merge_starts
+from propermodel.simulation.point import Point
 from propermodel.simulation.singular_fields import singular_fields
+from propermodel.simulation.switches import Switches, unsettled
 from propermodel.simulation.table_store import StoredTable, TableStore
 
 Values = dict[Expr, float]
@@ -140,6 +143,8 @@ def start_of(compiled: CompiledModel, scenario: Scenario, store: TableStore | No
         tables=[table.data for table in tables.values()],
         origin=scenario.start,
     )
+    if compiled.system.switching:
+        _position_switches(compiled, memory)
     memory.lower[:] = [interpret(state.low, parameters) for state in compiled.system.states]
     memory.upper[:] = [interpret(state.high, parameters) for state in compiled.system.states]
     return Start(memory, notes)
@@ -244,6 +249,14 @@ def _guesses(compiled: CompiledModel, starts: Starts) -> FloatArray:
     unknowns = [unknown for block in compiled.system.blocks for unknown in block.unknowns]
     found[: len(unknowns)] = [declared.get(unknown.data.path, 0.0) for unknown in unknowns]
     return found
+
+
+def _position_switches(compiled: CompiledModel, memory: Memory) -> None:
+    """Let switches be where they start; which of them move at once, a run finds out."""
+    unsettled(compiled.lowered, memory.unknown)
+    numbers = [number for switching in compiled.system.switching for number in numbers_of(switching)]
+    switches = Switches(compiled.lowered, lambda now: Point(compiled.system, compiled.lowered, now).values(numbers))
+    switches.pull(memory, 0.0)
 
 
 def _initial_states(

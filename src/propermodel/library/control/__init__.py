@@ -12,7 +12,7 @@ from propermodel.library.control.components import (
     SecondOrder,
 )
 from propermodel.library.control.controllers import SampledPID, SampleHold
-from propermodel.library.control.sources import Constant, Ramp, Sine, SquareWave, Step
+from propermodel.library.control.sources import Constant, PulseWidth, Ramp, Sine, SquareWave, Step
 
 __all__ = [
     "PID",
@@ -23,6 +23,7 @@ __all__ = [
     "Integrator",
     "Limiter",
     "Mean",
+    "PulseWidth",
     "Ramp",
     "RateLimiter",
     "SampleHold",

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from propermodel.expressions import Expr, ExprLike, clip, floor, sin, time, where
-from propermodel.modelling import Output, Parameter, SignalBlock, parameter
+from propermodel.expressions import Expr, ExprLike, clip, floor, maximum, sin, time, where
+from propermodel.modelling import Discrete, Output, Parameter, SignalBlock, parameter, when
+from propermodel.modelling.events import When
 
 
 class Constant(SignalBlock):
@@ -70,3 +71,31 @@ class SquareWave(SignalBlock):
     def outputs(self) -> dict[Expr, ExprLike]:
         cycles = self.frequency * time
         return {self.result: where(cycles - floor(cycles) < self.duty, self.high, self.low)}
+
+
+class PulseWidth(SignalBlock):
+    """A signal that is 1 for a share of every period and 0 for the rest, switched at located instants.
+
+    For power electronics: steps end where it switches, so that none of them averages over both.
+    """
+
+    result = Output("1")
+    frequency: Parameter = parameter("Hz", low=0.0)
+    duty: Parameter = parameter("1", default=0.5, low=0.0, high=1.0)
+    is_on = Discrete("1")
+    periods = Discrete("1", start=-1.0)  # that have begun before this one
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.result: self.is_on}
+
+    def events(self) -> tuple[When, ...]:
+        """It is switched off after its share of a period, and on when the next one begins."""
+        cycles, is_on = self.frequency * time, self.is_on > 0.5
+        following = self.periods + 1.0
+        return (
+            when(is_on & (cycles > self.periods + self.duty), {self.is_on: 0.0}),
+            when(
+                ~is_on & (cycles >= following) & (self.duty > 0.0),
+                {self.is_on: 1.0, self.periods: maximum(following, floor(cycles))},
+            ),
+        )

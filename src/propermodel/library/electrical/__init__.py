@@ -47,6 +47,7 @@ from propermodel.library.electrical.sources import (
     Ground,
     VoltageSource,
 )
+from propermodel.library.electrical.switches import IdealDiode, IdealSwitch
 from propermodel.library.electrical.transistors import FieldEffectTransistor
 
 __all__ = [
@@ -69,7 +70,9 @@ __all__ = [
     "FloatingVoltageSource",
     "FluxLinkageSensor",
     "Ground",
+    "IdealDiode",
     "IdealGyrator",
+    "IdealSwitch",
     "IdealTransformer",
     "Inductor",
     "OperationalAmplifier",
