@@ -112,6 +112,15 @@ def test_run_prints_a_summary_and_writes_what_was_recorded(tmp_path: Path):
     assert (tmp_path / "trajectory.npz").is_file()
 
 
+def test_a_condition_ends_a_run():
+    report = json.loads(succeed("run", MODEL, "--until", "time > 1.5 s and time > 500 ms", "--step", "0.01", "--json"))
+    assert report["status"] == "stopped"
+    assert report["time_s"] == pytest.approx(1.5, abs=1e-6)
+    done = invoke("run", MODEL, "--until", "body.flange.flw > 1", "--step", "0.01")
+    assert done.exit_code == 2
+    assert "did you mean 'body.flange.flow'?" in done.output
+
+
 def test_activity_prints_the_ranking_with_its_check():
     printed = succeed("activity", MODEL, "--step", "0.001")
     rows = [line.split()[0] for line in printed.splitlines()[2:8]]

@@ -314,6 +314,12 @@ CASES = (
         cure="use rk4",
     ),
     Case(
+        code="simulation/condition",
+        run=lambda: simulate(quarter(), STEP, until="body.flange.flow <"),
+        names=("body.flange.flow <", "a number or a name was expected"),
+        cure="compare names of the model",
+    ),
+    Case(
         code="simulation/until",
         run=lambda: simulate(quarter(), STEP, until=Wheel().wheel.flange.flow > 1.0),
         names=("wheel.flange.flow",),

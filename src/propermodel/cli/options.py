@@ -41,6 +41,14 @@ ScenarioText = Annotated[
     ),
 ]
 Until = Annotated[float | None, typer.Option("--until", help="End of the run, s.", metavar="S")]
+UntilCondition = Annotated[
+    str | None,
+    typer.Option(
+        "--until",
+        help='End of the run, s, or a condition that ends it before: "body.flange.flow > 20 km/h and time > 2 s".',
+        metavar="S|CONDITION",
+    ),
+]
 MethodOption = Annotated[MethodName | None, typer.Option("--method", help="How a step is taken.")]
 JacobianOption = Annotated[
     int | None,
@@ -93,6 +101,16 @@ def configured(
         jacobian_every=subject.jacobian_every if jacobian_every is None else jacobian_every,
         outputs=chosen or subject.outputs,
     )
+
+
+def end_of(until: str | None) -> tuple[float | None, str | None]:
+    """The end of a run in seconds, or the condition that ends it, whichever the text states."""
+    if until is None:
+        return None, None
+    try:
+        return float(until), None
+    except ValueError:
+        return None, until
 
 
 def parse_settings(subject: Subject, texts: Iterable[str]) -> dict[Path, float]:

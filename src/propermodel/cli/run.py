@@ -18,15 +18,16 @@ from propermodel.cli.options import (
     ScenarioText,
     SetOption,
     StepOption,
-    Until,
+    UntilCondition,
     configured,
+    end_of,
 )
 
 
 def run(
     model: ModelText,
     scenario: ScenarioText = None,
-    until: Until = None,
+    until: UntilCondition = None,
     method: MethodOption = None,
     step: StepOption = None,
     jacobian_every: JacobianOption = None,
@@ -48,9 +49,10 @@ def run(
     from propermodel.simulation.storage import save_trajectory
     from propermodel.simulation.trajectory import RunStatus
 
+    stop, condition = end_of(until)
     subject = configured(
         load_subject(model, scenario),
-        until=until,
+        until=stop,
         method=method,
         step=step,
         jacobian_every=jacobian_every,
@@ -68,6 +70,7 @@ def run(
             step=subject.step,
             jacobian_every=subject.jacobian_every,
             record_every=period,
+            until=condition,
             progress=lambda progress: bars("simulating", progress),
         )
     shown = subject.outputs or tuple(state.path for state in compiled.system.states)

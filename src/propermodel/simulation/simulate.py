@@ -15,6 +15,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
+from propermodel.simulation.conditions import parse_condition
 from propermodel.simulation.endings import ending_of
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.events import Events
@@ -66,7 +67,7 @@ def simulate(
     progress: Callable[[Progress], None] | None = None,
     continued_from: Trajectory | None = None,
     start: Literal["declared", "equilibrium"] | Start = "declared",
-    until: Expr | None = None,
+    until: Expr | str | None = None,
 ) -> Trajectory:
     """Run a scenario with a fixed step.
 
@@ -84,8 +85,8 @@ def simulate(
         continued_from: A run of the same model to go on from; `scenario.stop` is the new end.
         start: Whether the run begins with the declared initial values or at the equilibrium near them, which the
             notes of the run then tell; or a start made elsewhere. A run that is continued has its start already.
-        until: A condition of observables that ends the run at the instant at which it becomes true; a run that is
-            continued waits until it does so anew.
+        until: A condition of observables that ends the run at the instant at which it becomes true, as an expression or
+            as text (`"body.flange.flow > 20 km/h"`); a run that is continued waits until it does so anew.
 
     Returns:
         What was computed, also when the run was interrupted (Ctrl-C) or failed; `ending` says how it ended.
@@ -102,7 +103,8 @@ def simulate(
     before = time.perf_counter()
     run_model = compiled
     with faults.collecting():
-        run_model = compiled if until is None else stopping(compiled, until)
+        condition = parse_condition(compiled, until) if isinstance(until, str) else until
+        run_model = compiled if condition is None else stopping(compiled, condition)
     if faults.found and continued_from is None:
         # What else is wrong with the scenario belongs to the same answer.
         with faults.collecting():
