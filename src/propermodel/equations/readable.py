@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from propermodel.bondgraph.graph import BondGraph
+from propermodel.bondgraph.graph import BondGraph, FlatEvent
 from propermodel.diagnostics import ModelError, Path, nearest, parse_path
 from propermodel.equations.names import Name, input_symbols, parameter_aliases, quantity_symbol, shortest_names
 from propermodel.equations.system import EquationSystem, StateVariable
@@ -86,6 +86,15 @@ class ReadableUpdate:
     values: tuple[tuple[Expr, Expr], ...]
 
 
+@dataclass(frozen=True, slots=True)
+class ReadableEvent:
+    """What becomes what at the instant at which a condition becomes true; values are those before it."""
+
+    element: Path
+    condition: Expr
+    changes: tuple[tuple[Expr, Expr], ...]
+
+
 @dataclass(frozen=True)
 class ReadableEquations:
     """The equations of a model in names and formulas.
@@ -99,6 +108,7 @@ class ReadableEquations:
     blocks: tuple[ReadableBlock, ...]
     outputs: tuple[Definition, ...]
     updates: tuple[ReadableUpdate, ...]
+    events: tuple[ReadableEvent, ...]
     inputs: tuple[Expr, ...]
     names: Mapping[Expr, Name]
 
@@ -168,12 +178,14 @@ def state_equations(of: EquationSystem | HasEquations, outputs: Iterable[Path | 
         ReadableUpdate(path, tuple((work.written(held), work.written(value)) for held, value in values))
         for path, values in system.updates
     )
+    events = tuple(work.event(event, shown) for event in system.causal.graph.events)
     definitions = tuple(work.definitions)
     written = [e for s in states for e in (s.symbol, s.coefficient, s.right)]
     written += [e for d in definitions for e in (d.symbol, d.value)]
     written += [e for d in answers for e in (d.symbol, d.value)]
     written += [e for b in blocks for e in (*b.unknowns, *b.residuals)]
     written += [e for u in updates for pair in u.values for e in pair]
+    written += [e for v in events for e in (v.condition, *(item for pair in v.changes for item in pair))]
     symbols = leaves(*written)
     used = set(symbols)
     return ReadableEquations(
@@ -183,6 +195,7 @@ def state_equations(of: EquationSystem | HasEquations, outputs: Iterable[Path | 
         blocks=blocks,
         outputs=answers,
         updates=updates,
+        events=events,
         inputs=tuple(leaf for leaf in work.inputs if leaf in used),
         names=shortest_names(symbols),
     )
@@ -221,7 +234,7 @@ class _Work:
     """Simplifies with the names of the reader, and collects what is defined by itself."""
 
     def __init__(self, system: EquationSystem, shown: list[_Shown]) -> None:
-        graph = system.causal.graph
+        self._graph = graph = system.causal.graph
         self.definitions: list[Definition] = []
         self._defined: set[Expr] = set()
         tables = input_symbols(graph)
@@ -272,6 +285,28 @@ class _Work:
         unit = item.symbol.data.unit
         owner = item.state.path.parent
         return ReadableState(item.state.path, item.symbol, unit, inertance, right, Path(owner[:-1][:1]))
+
+    def event(self, event: FlatEvent, shown: Iterable[_Shown]) -> ReadableEvent:
+        """What an event changes; what a storage holds is shown as in its equation."""
+        by_state = {item.state.symbol: item for item in shown}
+        changes: list[tuple[Expr, Expr]] = []
+        for target, value in event.changes:
+            item = by_state.get(target)
+            new = self._resolved(value)
+            if item is None:
+                changes.append((target, self.written(new)))
+            else:
+                changes.append((item.symbol, self.written(divide(new, item.inertance))))
+        if event.restitution is not None:
+            (port,) = self._graph.normal.elements[event.element].ports
+            flow = self._graph.variables.of(self._graph.normal.bonds[event.element / port], Variable.FLOW)
+            new = self._resolved(-(event.restitution * flow))
+            changes.append((quantity_symbol(self._graph, flow), self.written(new)))
+        return ReadableEvent(event.element, self.written(self._resolved(event.condition)), tuple(changes))
+
+    def _resolved(self, expr: Expr) -> Expr:
+        """An expression of a law in terms of states and unknowns."""
+        return substitute(expr, {leaf: self._values[leaf] for leaf in leaves(expr) if leaf in self._values})
 
     def _cut(self, node: Expr, best: Expr) -> Expr | None:
         if node.op is Op.NEGATE or best.op is Op.SYMBOL:

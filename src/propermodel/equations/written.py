@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from propermodel.equations.layout import wrapped
+from propermodel.equations.layout import INDENT, WIDTH, wrapped
 from propermodel.equations.notation import LATEX, TEXT, Notation, latex_names, spelt_out
 from propermodel.expressions.core import ONE, Expr, SymbolKind
 
@@ -41,7 +42,7 @@ def text_of(equations: ReadableEquations) -> str:
             lines += ["", f"{group or equations.title}:"]
         lines += wrapped(*row, width)
     for heading, further in _further(equations, TEXT, names):
-        lines += ["", heading]
+        lines += ["", *_heading(heading)]
         lines += [text for row in further for text in wrapped(*row, max(len(left) for left, _ in further))]
     return "\n".join(lines)
 
@@ -104,6 +105,20 @@ def _further(
         rows = [(names[held], notation.formula(value, names)) for held, value in update.values]
         controller = str(update.controller) if notation is TEXT else f"${spelt_out(update.controller)}$"
         yield f"at every run of {controller}:", rows
+    for event in equations.events:
+        condition = notation.formula(event.condition, names)
+        rows = [(_after(names[target], notation), notation.formula(new, names)) for target, new in event.changes]
+        yield f"when {dollar}{condition}{dollar}:", rows
+
+
+def _heading(text: str) -> list[str]:
+    """A heading on lines of `WIDTH`."""
+    return textwrap.wrap(text, WIDTH, subsequent_indent=" " * INDENT, break_long_words=False, break_on_hyphens=False)
+
+
+def _after(name: str, notation: Notation) -> str:
+    """The name of a value after an event, on whose right side all values are those before it."""
+    return name if notation is TEXT else f"{{{name}}}^{{+}}"
 
 
 def _with_unit(name: str, unit: str) -> str:
