@@ -36,7 +36,7 @@ class _Choice:
 
     @cached_property
     def definitions(self) -> Definitions:
-        """What defines every variable."""
+        """What defines every variable that equations need."""
         return define_needed(self.causal)
 
     @cached_property
