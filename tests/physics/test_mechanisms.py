@@ -71,7 +71,7 @@ def test_backends_agree_on_a_constraint(method: pm.Method) -> None:
 @pytest.mark.parametrize("jacobian_every", [1, 4])
 def test_implicit_steps_keep_their_order_on_a_constraint(jacobian_every: int) -> None:
     model = pm.compile_model(pm.elaborate(CartesianPendulum()))
-    start = {"rod.displacement.x": 0.0, "rod.displacement.y": -1.0, "bob.along.momentum": 8.0}
+    start = {"rod.displacement.point_x": 0.0, "rod.displacement.point_y": -1.0, "bob.along.momentum": 8.0}
     exact = run(model, 1.0, step=5e-4, every=1.0, initial=start).memory.state
     errors = [
         np.abs(
