@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,6 +99,11 @@ class Lowered:
     targets: tuple[tuple[Slot, ...], ...] = ()  # of each event: what it changes, in the order of JUMP
     impacts: ImpactSlots | None = None
     switching: tuple[SwitchingSlots, ...] = ()
+
+    @cached_property
+    def power_places(self) -> Mapping[Path, int]:
+        """The entry of POWER of every bond and row."""
+        return {power.path: index for index, power in enumerate(self.powers) if power.kind != "outside"}
 
 
 def lower(system: EquationSystem) -> Lowered:

@@ -181,24 +181,25 @@ class Trajectory:
             return self._value(signals, path.parent / "effort") * self._value(signals, path.parent / "flow")
         return float(signals[self._observable(path).index])
 
-    def activity(self, entry: Path) -> float:
+    def activity(self, entry: Path | str) -> float:
         """The integral of |power| of a bond or row over the whole run, J."""
         return float(self.memory.activity[self.power_index(entry)])
 
-    def work(self, entry: Path) -> float:
+    def work(self, entry: Path | str) -> float:
         """The integral of power of a bond (along its half arrow) or row (into it) over the whole run, J."""
         return float(self.memory.integral[self.power_index(entry)])
 
-    def power_index(self, entry: Path) -> int:
+    def power_index(self, entry: Path | str) -> int:
         """The entry of the power array that belongs to a bond or row."""
-        for index, power in enumerate(self.compiled.lowered.powers):
-            if power.path == entry and power.kind != "outside":
-                return index
-        raise SimulationError.of(
-            "simulation/unknown-bond",
-            f"the model has no bond or row '{entry}'",
-            help=one_of(str(entry), (str(power.path) for power in self.compiled.lowered.powers)),
-        )
+        path = observable_path(entry)
+        places = self.compiled.lowered.power_places
+        if path not in places:
+            raise SimulationError.of(
+                "simulation/unknown-bond",
+                f"the model has no bond or row '{path}'",
+                help=one_of(str(path), map(str, places)),
+            )
+        return places[path]
 
     @property
     def outside_tables(self) -> tuple[TableUse, ...]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from propermodel.expressions import Expr, ExprLike, clip
-from propermodel.modelling import Input, Output, Parameter, SignalBlock, State, parameter
+from propermodel.expressions import Expr, ExprLike, clip, where
+from propermodel.modelling import Discrete, Input, Output, Parameter, SignalBlock, State, parameter, when
+from propermodel.modelling.events import When
 
 
 class Gain(SignalBlock):
@@ -69,6 +70,39 @@ class FirstOrder(SignalBlock):
 
     def derivatives(self) -> dict[Expr, ExprLike]:
         return {self.lagged: (self.signal - self.lagged) / self.time_constant}
+
+
+class Derivative(SignalBlock):
+    """The rate of change of a signal, through a first-order lag: s / (1 + T s); it begins at rest on the signal."""
+
+    signal = Input("1")
+    result = Output("1/s")
+    filter_time: Parameter = parameter("s", low=0.0)
+    start: Parameter = parameter("1", default=0.0, doc="the signal at the start")
+    lagged = State("1", start=start)
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.result: (self.signal - self.lagged) / self.filter_time}
+
+    def derivatives(self) -> dict[Expr, ExprLike]:
+        return {self.lagged: (self.signal - self.lagged) / self.filter_time}
+
+
+class LeadLag(SignalBlock):
+    """A compensator (1 + T_1 s) / (1 + T_2 s): it leads with T_1 above T_2, and lags below."""
+
+    signal = Input("1")
+    result = Output("1")
+    lead_time: Parameter = parameter("s", low=0.0)
+    lag_time: Parameter = parameter("s", low=0.0)
+    start: Parameter = parameter("1", default=0.0)
+    lagged = State("1", start=start)
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.result: self.lagged + self.lead_time / self.lag_time * (self.signal - self.lagged)}
+
+    def derivatives(self) -> dict[Expr, ExprLike]:
+        return {self.lagged: (self.signal - self.lagged) / self.lag_time}
 
 
 class RateLimiter(SignalBlock):
@@ -147,3 +181,37 @@ class DeadZone(SignalBlock):
 
     def outputs(self) -> dict[Expr, ExprLike]:
         return {self.result: self.signal - clip(self.signal, self.low, self.high)}
+
+
+class Relay(SignalBlock):
+    """Switches on above one value of a signal and off below another; in between it stays as it is."""
+
+    signal = Input("1")
+    result = Output("1")
+    high: Parameter = parameter("1", default=0.5, doc="switches on above it")
+    low: Parameter = parameter("1", default=-0.5, doc="switches off below it")
+    on: Parameter = parameter("1", default=1.0, doc="the result while on")
+    off: Parameter = parameter("1", default=0.0, doc="the result while off")
+    is_on = Discrete("1")
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.result: where(self.is_on > 0.5, self.on, self.off)}
+
+    def events(self) -> tuple[When, ...]:
+        """It switches."""
+        return (
+            when((self.is_on < 0.5) & (self.signal > self.high), {self.is_on: 1.0}),
+            when((self.is_on > 0.5) & (self.signal < self.low), {self.is_on: 0.0}),
+        )
+
+
+class Selector(SignalBlock):
+    """One of two signals: the first while `choice` is above 0.5, else the second."""
+
+    first = Input("1")
+    second = Input("1")
+    choice = Input("1")
+    result = Output("1")
+
+    def outputs(self) -> dict[Expr, ExprLike]:
+        return {self.result: where(self.choice > 0.5, self.first, self.second)}

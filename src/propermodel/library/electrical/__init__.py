@@ -16,6 +16,8 @@ from propermodel.library.electrical.components import (
     Potentiometer,
     Resistor,
     SaturatingInductor,
+    VariableCapacitor,
+    VariableInductor,
     VariableResistor,
     ZenerDiode,
 )
@@ -47,8 +49,8 @@ from propermodel.library.electrical.sources import (
     Ground,
     VoltageSource,
 )
-from propermodel.library.electrical.switches import IdealDiode, IdealSwitch
-from propermodel.library.electrical.transistors import FieldEffectTransistor
+from propermodel.library.electrical.switches import IdealDiode, IdealSwitch, IdealThyristor
+from propermodel.library.electrical.transistors import FieldEffectTransistor, NPNTransistor, PNPTransistor
 
 __all__ = [
     "Capacitor",
@@ -73,12 +75,17 @@ __all__ = [
     "IdealDiode",
     "IdealGyrator",
     "IdealSwitch",
+    "IdealThyristor",
     "IdealTransformer",
     "Inductor",
+    "NPNTransistor",
     "OperationalAmplifier",
+    "PNPTransistor",
     "Potentiometer",
     "Resistor",
     "SaturatingInductor",
+    "VariableCapacitor",
+    "VariableInductor",
     "VariableResistor",
     "VoiceCoil",
     "VoltageControlledCurrent",

@@ -124,6 +124,40 @@ class VariableResistor(Resistance):
         return self.resistance * flow
 
 
+class VariableCapacitor(Compliance):
+    """A capacitor whose capacitance is a signal; what changes it works on the field, which the energy balance names."""
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    capacitance = Input("F")
+    start_charge: Parameter = parameter("C", default=0.0)
+
+    def effort(self, displacement: Expr) -> Expr:
+        return displacement / self.capacitance
+
+    def start(self) -> Expr:
+        """The charge at the start."""
+        return self.start_charge
+
+
+class VariableInductor(Inertia):
+    """A coil whose inductance is a signal; what changes it works on the field, which the energy balance names."""
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    inductance = Input("H")
+    start_flux: Parameter = parameter("V.s", default=0.0)
+
+    def flow(self, momentum: Expr) -> Expr:
+        return momentum / self.inductance
+
+    def start(self) -> Expr:
+        """The flux linkage at the start."""
+        return self.start_flux
+
+
 class Diode(Resistance):
     """Shockley's diode beside a leakage: i = I_s (exp(v / n V_t) - 1) + G v.
 

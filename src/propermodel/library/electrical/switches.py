@@ -1,4 +1,4 @@
-"""Ideal switches and diodes: no voltage while closed, no current while open."""
+"""Ideal switches, diodes and thyristors: no voltage while closed, no current while open."""
 
 from __future__ import annotations
 
@@ -54,5 +54,31 @@ class IdealDiode(Resistance):
         is_closed = self.closed > 0.5
         return (
             when(~is_closed & (self.port.effort > self.least_voltage), {self.closed: 1.0}),
+            when(is_closed & (self.port.flow < -self.least_current), {self.closed: 0.0}),
+        )
+
+
+class IdealThyristor(Resistance):
+    """A diode from a to b that closes only while its gate is above 0.5, and opens when its current has come to zero.
+
+    `least_voltage` and `least_current` are there against rounding only.
+    """
+
+    a = Port(Electrical)
+    b = Port(Electrical)
+    port = Port(Electrical, between=(a, b))
+    gate = Input("1")
+    least_voltage: Parameter = parameter("V", default=1e-9, low=0.0)
+    least_current: Parameter = parameter("A", default=1e-9, low=0.0)
+    closed = Discrete("1")
+
+    def residual(self, effort: Expr, flow: Expr) -> Expr:
+        return where(self.closed > 0.5, effort / VOLT, flow / AMPERE)
+
+    def events(self) -> tuple[When, ...]:
+        """It fires or goes out."""
+        is_closed, is_fired = self.closed > 0.5, self.gate > 0.5
+        return (
+            when(~is_closed & is_fired & (self.port.effort > self.least_voltage), {self.closed: 1.0}),
             when(is_closed & (self.port.flow < -self.least_current), {self.closed: 0.0}),
         )

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from propermodel.expressions import Expr, ExprLike, maximum, minimum, where
+from propermodel.library.electrical.components import exponential
 from propermodel.modelling import Electrical, MultiportResistance, Parameter, Port, parameter
 
 
@@ -37,3 +40,62 @@ class FieldEffectTransistor(MultiportResistance):
         within = minimum(across, overdrive)
         current = self.transconductance * (overdrive - 0.5 * within) * within * (1.0 + self.modulation * across)
         return where(is_forward, current, -current)
+
+
+class _BipolarTransistor(MultiportResistance):
+    """The transport form of the model of Ebers and Moll (1954), as in Massobrio and Antognetti (1993), section 2.2."""
+
+    polarity: ClassVar[float]  # 1 for n-p-n, -1 for p-n-p
+
+    base = Port(Electrical)
+    collector = Port(Electrical)
+    emitter = Port(Electrical)
+    emitter_junction = Port(Electrical, between=(base, emitter))
+    collector_junction = Port(Electrical, between=(base, collector))
+    saturation_current: Parameter = parameter("A", default=1e-14, low=0.0)
+    forward_gain: Parameter = parameter("1", default=100.0, low=0.0)
+    reverse_gain: Parameter = parameter("1", default=1.0, low=0.0)
+    thermal_voltage: Parameter = parameter("V", default=0.02585, low=0.0)
+    leakage: Parameter = parameter("1/Ohm", default=1e-12, low=0.0, doc="of each junction")
+    knee: Parameter = parameter("V", default=0.8)
+
+    def laws(self) -> tuple[dict[Expr, ExprLike], ...]:
+        emitter, collector = self._currents()
+        return ({self.emitter_junction.flow: emitter, self.collector_junction.flow: collector},)
+
+    def residuals(self) -> tuple[ExprLike, ...]:
+        """The same currents, whatever is given."""
+        emitter, collector = self._currents()
+        return (self.emitter_junction.flow - emitter, self.collector_junction.flow - collector)
+
+    def _currents(self) -> tuple[Expr, Expr]:
+        """From the base through each junction."""
+        forward, reverse = (
+            self._diffusion(self.emitter_junction.effort),
+            self._diffusion(self.collector_junction.effort),
+        )
+        transported = forward - reverse
+        return (
+            transported + forward / self.forward_gain + self.leakage * self.emitter_junction.effort,
+            reverse / self.reverse_gain - transported + self.leakage * self.collector_junction.effort,
+        )
+
+    def _diffusion(self, voltage: Expr) -> Expr:
+        growth = exponential(self.polarity * voltage, self.thermal_voltage, self.knee) - 1.0
+        return self.polarity * self.saturation_current * growth
+
+
+class NPNTransistor(_BipolarTransistor):
+    """An n-p-n transistor by Ebers and Moll, without its capacitances.
+
+    With i_f = I_s (exp(v_be / V_t) - 1), and i_r alike of v_bc, the collector takes i_f - i_r - i_r / beta_r and the
+    base i_f / beta_f + i_r / beta_r. Above `knee` the exponentials go on as their tangents.
+    """
+
+    polarity = 1.0
+
+
+class PNPTransistor(_BipolarTransistor):
+    """A p-n-p transistor by Ebers and Moll: an n-p-n one with all voltages and currents reversed."""
+
+    polarity = -1.0

@@ -18,7 +18,7 @@ from propermodel.library.mechanics.rotation.components import (
     TorsionSpring,
     ViscousFriction,
 )
-from propermodel.library.mechanics.rotation.friction import Brake, LockingClutch, StickingFriction
+from propermodel.library.mechanics.rotation.friction import Brake, Freewheel, LockingClutch, StickingFriction
 from propermodel.library.mechanics.rotation.machines import (
     BeltDrive,
     Differential,
@@ -55,6 +55,7 @@ __all__ = [
     "CoulombFriction",
     "Differential",
     "FixedShaft",
+    "Freewheel",
     "Gear",
     "GravityPendulum",
     "LockingClutch",

@@ -1,4 +1,4 @@
-"""Dry friction that sticks, and a clutch that locks: their modes change at located instants."""
+"""Dry friction that sticks, and clutches that lock: their modes change at located instants."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from propermodel.modelling.events import When
 
 STANDSTILL = quantity(1e-12, "rad/s")  # above rounding, below every speed that matters
 REVERSAL = quantity(1e-6, "rad/s")  # a speed beyond it, after a change of sign, comes from an impact
+NO_TORQUE = quantity(0.0, "N.m")
 
 
 class LockingClutch(Resistance):
@@ -58,6 +59,35 @@ class LockingClutch(Resistance):
             when((self.mode < -0.5) & (slip > STANDSTILL), {self.mode: where(is_small, 0.0, 1.0)}, restitution=stop),
             when(sticks & ((slip > STANDSTILL) | ((held > most) & (slip >= -STANDSTILL))), {self.mode: 1.0}),
             when(sticks & ((slip < -STANDSTILL) | ((held < -most) & (slip <= STANDSTILL))), {self.mode: -1.0}),
+        )
+
+
+class Freewheel(Resistance):
+    """A one-way clutch: `a` drives `b` and never runs ahead of it; `b` may run ahead of `a` without a torque.
+
+    It locks when `a` has caught up, and lets go when it would have to pull back.
+    """
+
+    a = Port(Rotation)
+    b = Port(Rotation)
+    port = Port(Rotation, between=(a, b))
+    least_slip: Parameter = parameter("rad/s", default=1e-6, low=0.0, doc="at which it locks, above rounding")
+    least_torque: Parameter = parameter("N.m", default=1e-9, low=0.0, doc="at which it lets go, above rounding")
+    holds = Discrete("1")  # 1: locked, 0: free
+
+    def effort(self, flow: Expr) -> Expr:
+        return NO_TORQUE
+
+    def locked(self) -> Expr:
+        """While `a` drives `b`."""
+        return self.holds > 0.5
+
+    def events(self) -> tuple[When, ...]:
+        """It locks or lets go."""
+        is_locked = self.holds > 0.5
+        return (
+            when(~is_locked & (self.port.flow > self.least_slip), {self.holds: 1.0}, restitution=0.0),
+            when(is_locked & (self.port.effort < -self.least_torque), {self.holds: 0.0}),
         )
 
 
