@@ -1,22 +1,19 @@
-"""How the time from a model's source to its first native step grows with its size, beside a peer's equations."""
+"""How the time from a model's source to its first native step grows with its size, beside other tools."""
 
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 import time
 from dataclasses import dataclass
 from itertools import pairwise
 
 from benchmarks.chain import chain_model
+from benchmarks.equation_peers import measure_peers
 from propermodel.codegen.machine import Method
 from propermodel.compiler import compile_model
 from propermodel.modelling.elaborate import elaborate
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import simulate
-
-PEER_LIMIT_S = 120.0
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,7 @@ class Stages:
 
 
 def print_growth(sizes: tuple[int, ...] = (10, 57, 200, 500, 1000, 2000, 5000)) -> None:
-    """Print a table over chain sizes, its slope, and what a peer needs."""
+    """Print a table over chain sizes, its slope, and what other tools need."""
     print("chain of N mass-spring-damper sections, from components to the first native step, processor time:")
     _measure(10)
     rows = [_middle(size, repeats=5 if size <= 200 else 1) for size in sizes]
@@ -45,7 +42,9 @@ def print_growth(sizes: tuple[int, ...] = (10, 57, 200, 500, 1000, 2000, 5000)) 
             f"native code {row.native:.2f} s, first step {row.first_step:.3f} s)"
         )
     print(f"  total grows as N to the {_slope([row for row in rows if row.size >= 57]):.2f} from N = 57")
-    _print_peer()
+    print("other tools, equations of the same chain:")
+    for peer in measure_peers():
+        print(peer)
 
 
 def _middle(size: int, repeats: int) -> Stages:
@@ -70,40 +69,3 @@ def _slope(rows: list[Stages]) -> float:
     y = [math.log(row.total) for row in rows]
     mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
     return sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y, strict=True)) / sum((a - mean_x) ** 2 for a in x)
-
-
-# -- a peer, where it is installed -------------------------------------------------------------------------
-
-PEER = """
-import sys, time
-import BondGraphTools as bgt
-begin = time.perf_counter()
-chain, source, left = bgt.new(name="chain"), bgt.new("Sf", value=1.0), bgt.new("1")
-bgt.add(chain, source, left)
-bgt.connect(source, left)
-for k in range(int(sys.argv[1])):
-    zero, link, one = bgt.new("0"), bgt.new("1"), bgt.new("1")
-    spring, damper = bgt.new("C", name=f"spring{k}", value=1e-3), bgt.new("R", name=f"damper{k}", value=1.0)
-    mass = bgt.new("I", name=f"mass{k}", value=1.0)
-    bgt.add(chain, zero, link, one, spring, damper, mass)
-    for tail, head in ((left, zero), (zero, link), (link, spring), (link, damper), (zero, one), (one, mass)):
-        bgt.connect(tail, head)
-    left = one
-relations = chain.constitutive_relations
-print(time.perf_counter() - begin)
-"""
-
-
-def _print_peer() -> None:
-    print(f"BondGraphTools, equations of the same chain, at most {PEER_LIMIT_S:g} s each:")
-    for size in (5, 10, 20, 57):
-        command = [sys.executable, "-c", PEER, str(size)]
-        try:
-            answer = subprocess.run(command, capture_output=True, text=True, timeout=PEER_LIMIT_S, check=False)
-        except subprocess.TimeoutExpired:
-            print(f"  N = {size:>4}: not within {PEER_LIMIT_S:g} s")
-            return
-        if answer.returncode:
-            print(f"  not measured: {answer.stderr.strip().splitlines()[-1]}")
-            return
-        print(f"  N = {size:>4}: {float(answer.stdout.split()[-1]):.1f} s")
