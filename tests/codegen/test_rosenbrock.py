@@ -82,6 +82,16 @@ def test_what_is_infinitely_stiff_is_gone_after_one_step() -> None:
     assert abs(final(draft, 0.1, 0.1)[0]) < 1e-9
 
 
+def test_what_depends_on_time_alone_is_integrated_with_the_third_order() -> None:
+    def missed(step: float) -> float:
+        draft = Draft()
+        x = draft.state("x", 0.0)
+        draft.rate(x, cos(TIME))
+        return abs(final(draft, 1.0, step)[0] - math.sin(1.0))
+
+    assert order(missed(0.02), missed(0.01)) == pytest.approx(3.0, abs=0.1)
+
+
 @pytest.mark.parametrize("jacobian_every", [1, 3, 10])
 def test_the_order_stays_with_an_old_jacobian(jacobian_every: int) -> None:
     def errors(step: float) -> float:
@@ -103,8 +113,8 @@ def test_a_jacobian_serves_as_often_as_asked() -> None:
 
     for _ in range(5):
         k1 = np.linalg.solve(matrix, rates(x))
-        k2 = np.linalg.solve(matrix, rates(x + h * k1) - 2.0 * k1)
-        x = x + 1.5 * h * k1 + 0.5 * h * k2
+        k2 = np.linalg.solve(matrix, rates(x + 2.0 / 3.0 * h * k1) - 4.0 / 3.0 * k1)
+        x = x + 1.25 * h * k1 + 0.75 * h * k2
     np.testing.assert_allclose(final(draft, 5 * h, h, 5), x, rtol=1e-12)
     assert final(draft, 5 * h, h, 4) != final(draft, 5 * h, h, 5)
 

@@ -139,7 +139,7 @@ def test_a_state_that_is_not_finite_is_named_with_its_time(backend: Backend, met
     outcome = build_machine(draft.program(), method, backend=backend).run(memory, everything(draft, 5.0))
     assert (outcome.status, outcome.index) == (Status.NOT_FINITE, 1)
     # Past the pole at 0.5 an implicit step grows by a bounded factor, so the largest number is reached later.
-    assert 0.5 < outcome.time < (1.1 if method is Method.ROS2 else 0.6)
+    assert 0.5 < outcome.time < (3.0 if method is Method.ROS2 else 0.6)
     assert outcome.time == memory.time
     assert outcome.failures[0].time == outcome.time
     assert len(outcome.row_times) == round(outcome.time / 0.01)
