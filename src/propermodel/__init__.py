@@ -100,6 +100,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.linearise import linearise
     from propermodel.analysis.modes import Mode, Modes
     from propermodel.analysis.responses import FrequencyResponse, TimeResponse
+    from propermodel.analysis.sensitivities import Sensitivities, sensitivities
     from propermodel.analysis.transfer import TransferFunction
     from propermodel.causality.report import CausalReport, explain_causality
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
@@ -133,6 +134,7 @@ _WHEN_USED = {
     "ReadableEquations": "equations.readable",
     "Reduction": "reduction.plan",
     "ReductionStudy": "report.study",
+    "Sensitivities": "analysis.sensitivities",
     "StudyOptions": "report.study",
     "SymbolicMatrices": "equations.matrices",
     "TimeResponse": "analysis.responses",
@@ -157,6 +159,7 @@ _WHEN_USED = {
     "simulate_many": "simulation.ensemble",
     "designs": "simulation.ensemble",
     "Ensemble": "simulation.ensemble",
+    "sensitivities": "analysis.sensitivities",
     "state_equations": "equations.readable",
     "symbolic_matrices": "equations.matrices",
     "write_model": "modelling.documents",
@@ -280,6 +283,9 @@ __all__ = [
     "FrequencyResponse",
     "TimeResponse",
     "TransferFunction",
+    # sensitivities
+    "sensitivities",
+    "Sensitivities",
     # activity and energy
     "rank_activity",
     "ActivityRanking",

@@ -14,6 +14,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import BondGraph
@@ -24,6 +25,7 @@ from propermodel.causality.transformer_loops import TransformerLoop, locked_loop
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
+from propermodel.codegen.tangents import Direction, TangentProgram, with_tangents
 from propermodel.diagnostics import Diagnostic, ModelWarning
 from propermodel.equations.events import SystemEvent
 from propermodel.equations.formulate import formulate
@@ -31,6 +33,23 @@ from propermodel.equations.impulsive import impulsive_sources
 from propermodel.equations.state_selection import select_states
 from propermodel.equations.system import EquationSystem
 from propermodel.modelling.model import Model
+
+
+@dataclass(frozen=True)
+class CompiledTangents:
+    """A program with tangents; machines for each integration method are made when first used."""
+
+    tangents: TangentProgram
+    backend: Backend
+    _machines: dict[tuple[Method, int], Machine] = field(default_factory=dict[tuple[Method, int], Machine], repr=False)
+
+    def machine(self, method: Method, lanes: int = 1) -> Machine:
+        """The native code for one integration method."""
+        key = (method, lanes)
+        if key not in self._machines:
+            with _collection_later():
+                self._machines[key] = build_machine(self.tangents.program, method, lanes, self.backend)
+        return self._machines[key]
 
 
 @dataclass(frozen=True)
@@ -45,6 +64,10 @@ class CompiledModel:
     _machines: dict[tuple[Method, int], Machine] = field(default_factory=dict[tuple[Method, int], Machine], repr=False)
     _variants: dict[SystemEvent, CompiledModel] = field(
         default_factory=dict["SystemEvent", "CompiledModel"], repr=False
+    )
+
+    _tangents: dict[tuple[Any, ...], CompiledTangents] = field(
+        default_factory=dict[tuple[Any, ...], CompiledTangents], repr=False
     )
 
     @property
@@ -81,6 +104,21 @@ class CompiledModel:
             system = replace(self.system, events=(*self.system.events, event))
             self._variants[event] = CompiledModel(self.model, system, lower(system), self.backend, self.compile_s)
         return self._variants[event]
+
+    def tangents(
+        self, directions: tuple[Direction, ...], signals: tuple[int, ...], powers: tuple[int, ...]
+    ) -> CompiledTangents:
+        """The program with its tangents along directions, of chosen signals and powers.
+
+        Raises:
+            SimulationError: the derivatives pass an implicit block that is too large.
+        """
+        key = (directions, signals, powers)
+        if key not in self._tangents:
+            with _collection_later():
+                program = with_tangents(self.lowered.program, directions, signals, powers)
+            self._tangents[key] = CompiledTangents(program, self.backend)
+        return self._tangents[key]
 
     def __str__(self) -> str:
         return str(self.system)

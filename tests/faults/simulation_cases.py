@@ -42,6 +42,7 @@ from propermodel import (
     simulate,
 )
 from propermodel.library.electrical import CoupledInductors, Ground, Resistor
+from propermodel.library.mechanics.translation import Impact
 from propermodel.modelling.model import Variable
 from tests.faults.case import Case
 from tests.parts import Fixed, Mass, SpringDamper
@@ -126,6 +127,19 @@ class Ladder(Component):
 
 def large_block() -> object:
     return simulate(compile_model(elaborate(Ladder())), Scenario(stop=0.1), method=pm.Method.ROS2)
+
+
+class Falling(Component):
+    """A ball that falls on the floor."""
+
+    ball = Mass(mass=1.0)
+    floor = Impact()
+    ground = Fixed()
+    connections = (connect(ground.flange, floor.a), connect(floor.b, ball.flange))
+
+
+def sensitivities_of_events() -> object:
+    return pm.sensitivities(compile_model(elaborate(Falling())), Scenario(stop=0.1), parameters=["ball.mass"])
 
 
 class Squared(SignalBlock):
@@ -417,6 +431,12 @@ CASES = (
         run=lambda: pm.designs(pm.Scenario(), {"body.mass": [1.0, 2.0], "tyre.stiffness": [1.0, 2.0, 3.0]}),
         names=("2 of body.mass", "3 of tyre.stiffness"),
         cure="one value for each design",
+    ),
+    Case(
+        code="simulation/sensitivities",
+        run=sensitivities_of_events,
+        names=("events", "floor.contact"),
+        cure="differences of two runs",
     ),
     Case(code="reduction/threshold", run=lambda: planned(threshold=99.0), names=("99",), cure="0.99"),
     Case(

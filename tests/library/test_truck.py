@@ -5,10 +5,12 @@ import pytest
 
 from propermodel.analysis.activity import rank_activity
 from propermodel.analysis.balance import energy_balance
+from propermodel.analysis.sensitivities import sensitivities
 from propermodel.diagnostics import parse_path
 from propermodel.expressions.core import as_expr
 from propermodel.library.hydraulics import NITROGEN
 from propermodel.library.vehicle.mission import mission
+from propermodel.simulation.ensemble import designs, simulate_many
 from propermodel.simulation.simulate import simulate
 from tests.library.laws import value_of
 
@@ -88,6 +90,27 @@ def test_the_locked_converter_does_not_slip(city_start):
     slip = city_start["converter.clutch.port.flow"][settled]
     assert settled.sum() > 20
     assert np.max(np.abs(slip)) < 1e-2
+
+
+def test_the_sensitivity_of_the_fuel_is_the_limit_of_differences(hybrid):
+    """While the truck stands and sets off: tables, friction around zero speed, dependent storage, sampled control."""
+    scenario = mission("fmtv_mixed", until=12.0)
+    parameters = ("sprung_mass", "driveline.transfer_efficiency")
+    found = sensitivities(hybrid, scenario, parameters=parameters, outputs=["engine.fuel_used", "chassis.speed"])
+    entries = {row.path: row.path if len(row.bonds) > 1 else next(iter(row.bonds)) for row in hybrid.system.rows}
+    for k, name in enumerate(parameters):
+        value = found.parameter_values[k]
+        distance = 1e-6 * value
+        sides = designs(scenario, {name: [value - distance, value + distance]})
+        runs = simulate_many(hybrid, sides, record=["engine.fuel_used", "chassis.speed"])
+        for output, tolerance in (("engine.fuel_used", 1e-5), ("chassis.speed", 2e-3)):
+            less, more = runs.at_end(output)
+            assert found.at_end(output, name) == pytest.approx((more - less) / (2.0 * distance), rel=tolerance)
+        for row in found.rows[:10]:
+            less, more = runs.activity(entries[row])
+            largest = np.abs(found.row_activity.slopes[:, k]).max()
+            assert found.activity(row, name) == pytest.approx((more - less) / (2.0 * distance), abs=1e-4 * largest)
+    assert found.at_end("engine.fuel_used", "sprung_mass", relative=True) > 0.0
 
 
 @pytest.mark.slow

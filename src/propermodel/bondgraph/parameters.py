@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 
 from propermodel.bondgraph.graph import FlatParameter
 from propermodel.diagnostics import Diagnostic, Path
 from propermodel.expressions.core import Expr, Op, leaves
+from propermodel.expressions.derivatives import partial_derivatives
 from propermodel.expressions.interpret import interpret
 from propermodel.expressions.units import parse_unit
 
@@ -31,6 +32,51 @@ def parameter_values(parameters: Mapping[Path, FlatParameter], given: Mapping[Pa
             else:
                 known[top.symbol] = interpret(top.value, known)
     return known
+
+
+def parameter_rates(
+    parameters: Mapping[Path, FlatParameter], values: Mapping[Expr, float], path: Path, given: Container[Path] = ()
+) -> Values:
+    """The derivative of every parameter that changes with one of them, itself included.
+
+    Args:
+        parameters: All parameters.
+        values: Their values.
+        path: The parameter that changes.
+        given: Parameters that keep what they are given, whatever the model says.
+    """
+    rates: Values = {parameters[path].symbol: 1.0}
+    for follower in followers(parameters, path):
+        rate = 0.0
+        if follower.path not in given:
+            moving = [leaf for leaf in leaves(follower.value) if leaf in rates]
+            (slopes,) = partial_derivatives([follower.value], moving)
+            rate = sum(interpret(slope, values) * rates[leaf] for leaf, slope in slopes.items())
+        rates[follower.symbol] = rate
+    return rates
+
+
+def followers(parameters: Mapping[Path, FlatParameter], path: Path) -> tuple[FlatParameter, ...]:
+    """The parameters whose values the model computes from one of them, each after those it is computed from."""
+    reached = {parameters[path].symbol}
+    users: dict[Expr, list[FlatParameter]] = {}
+    for parameter in parameters.values():
+        for leaf in leaves(parameter.value):
+            users.setdefault(leaf, []).append(parameter)
+    pending = [parameters[path].symbol]
+    while pending:
+        for user in users.get(pending.pop(), ()):
+            if user.symbol not in reached:
+                reached.add(user.symbol)
+                pending.append(user.symbol)
+    reached.remove(parameters[path].symbol)
+    found: dict[Expr, FlatParameter] = {}
+    waiting = [p for p in parameters.values() if p.symbol in reached]
+    while waiting:
+        ready = [p for p in waiting if all(leaf in found for leaf in leaves(p.value) if leaf in reached)]
+        found.update((p.symbol, p) for p in ready)
+        waiting = [p for p in waiting if p.symbol not in found]
+    return tuple(found.values())
 
 
 def faults_of_range(

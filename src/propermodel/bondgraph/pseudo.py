@@ -14,6 +14,15 @@ def is_pseudo(graph: BondGraph, bond: Bond) -> bool:
     return domain is not None and not domain.is_true
 
 
+def is_pseudo_port(graph: BondGraph, port: Path) -> bool:
+    """Whether a port or bond has a pseudo domain, whose effort times flow is no power and has no unit here."""
+    bond = graph.original.bonds.get(port) or graph.normal.bonds.get(port)
+    if bond is not None:
+        return is_pseudo(graph, bond)
+    node = graph.node_ports.get(port)
+    return node is not None and not graph.domains[node.domain].is_true
+
+
 def pseudo_elements(graph: BondGraph) -> Mapping[Path, str]:
     """The elements of the normal form whose bonds are all pseudo, with their domain."""
     found: dict[Path, str] = {}

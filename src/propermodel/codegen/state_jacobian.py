@@ -88,14 +88,14 @@ def _slopes(solve: Solve, residuals: list[Tangent], known: Mapping[Expr, Tangent
     leaves = list(dict.fromkeys(leaf for row in outer for leaf in row))
     matrix = [[row.get(unknown, ZERO) for unknown in solve.unknowns] for row in residuals]
     right = [[row.get(leaf, ZERO) for leaf in leaves] for row in outer]
-    solution = solve_columns(matrix, right, _Expressions())
+    solution = solve_columns(matrix, right, SymbolicArithmetic())
     return {
         unknown: {leaf: -value for leaf, value in zip(leaves, row, strict=True) if not is_zero(value)}
         for unknown, row in zip(solve.unknowns, solution, strict=True)
     }
 
 
-class _Expressions:
+class SymbolicArithmetic:
     """The arithmetic of elimination on expressions; rows are exchanged at run time, except where zeros decide."""
 
     def subtract_product(self, a: Expr, b: Expr, c: Expr) -> Expr:

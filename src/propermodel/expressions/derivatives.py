@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from propermodel.expressions.core import (
     ONE,
@@ -107,6 +107,24 @@ def partial_derivatives(roots: Iterable[Expr], wrt: Iterable[Expr]) -> list[Tang
         tangents = [known[arg] for arg in node.args]
         known[node] = _combine(node, tangents) if any(tangents) else {}
     return [known[root] for root in roots]
+
+
+def combine_tangents(node: Expr, tangents: Sequence[Sequence[Expr]]) -> tuple[Expr, ...]:
+    """The derivatives of a node in several directions, from those of each of its arguments."""
+    if node.op is Op.WHERE:
+        return tuple(where(node.args[0], a, b) for a, b in zip(tangents[1], tangents[2], strict=True))
+    if node.op in (Op.MINIMUM, Op.MAXIMUM):
+        a, b = node.args
+        is_first = less_equal(a, b) if node.op is Op.MINIMUM else less_equal(b, a)
+        return tuple(where(is_first, x, y) for x, y in zip(tangents[0], tangents[1], strict=True))
+    result = [ZERO] * len(tangents[0])
+    for partial, given in zip(local_partials(node), tangents, strict=True):
+        if is_zero(partial):
+            continue
+        for k, tangent in enumerate(given):
+            if not is_zero(tangent):
+                result[k] = result[k] + multiply(partial, tangent)
+    return tuple(result)
 
 
 def derivative(expr: Expr, leaf: Expr) -> Expr:

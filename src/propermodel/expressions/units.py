@@ -106,6 +106,12 @@ def dimension_text(dimension: Dimension) -> str:
     return f"{'.'.join(above) or '1'}/{f'({bottom})' if len(below) > 1 else bottom}"
 
 
+def si_text(unit: str) -> str:
+    """The unit of the same quantity in SI: the unit itself where its numbers are those of SI, else in base units."""
+    known = parse_unit(unit)
+    return unit if known.factor == 1.0 else dimension_text(known.dimension)
+
+
 def parse_quantity(text: str, unit: str) -> float:
     """The number written as `text` (`1500 kg`, or a bare number taken in `unit`), in SI.
 

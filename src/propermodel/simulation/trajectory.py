@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from propermodel.bondgraph.pseudo import is_pseudo
+from propermodel.bondgraph.pseudo import is_pseudo_port
 from propermodel.codegen.lower import Observable
 from propermodel.codegen.machine import FloatArray, Memory, Method
 from propermodel.compiler import CompiledModel
@@ -154,19 +154,10 @@ class Trajectory:
         """The unit of an observable."""
         path = observable_path(observable)
         if path.name == "power":
-            return "" if self._is_pseudo(path.parent) else "W"
+            return "" if is_pseudo_port(self.compiled.graph, path.parent) else "W"
         if path.name in ("activity", "work") and path not in self.compiled.lowered.observables:
-            return "" if self._is_pseudo(path.parent) else "J"
+            return "" if is_pseudo_port(self.compiled.graph, path.parent) else "J"
         return self._observable(path).unit
-
-    def _is_pseudo(self, port: Path) -> bool:
-        """Whether a port or bond has a pseudo domain, whose effort times flow is no power and has no unit here."""
-        graph = self.compiled.graph
-        bond = graph.original.bonds.get(port) or graph.normal.bonds.get(port)
-        if bond is not None:
-            return is_pseudo(graph, bond)
-        node = graph.node_ports.get(port)
-        return node is not None and not graph.domains[node.domain].is_true
 
     def at_start(self, observable: Expr | Path | str) -> float:
         """The value of any observable at the start, recorded or not."""

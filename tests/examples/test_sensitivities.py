@@ -1,0 +1,89 @@
+"""The sensitivities of examples are the limits of differences between runs with the same steps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import propermodel as pm
+from propermodel.expressions.core import Op
+from tests.examples.runs import module, run_of
+
+# Every kind of model without events: loops, dependent storage, closed loops, tables, controllers, fields, starts.
+EXAMPLES = (
+    "accumulator",
+    "belt_drive",
+    "clutch",
+    "coupled_coils",
+    "coupled_pendulums",
+    "cruise_control",
+    "double_pendulum",
+    "electrostatic_transducer",
+    "four_bar_linkage",
+    "freewheeling_diode",
+    "gas_spring",
+    "geared_inertias",
+    "heat_exchanger",
+    "hydraulic_press",
+    "loudspeaker",
+    "pendulum_by_transformers",
+    "planetary_gear",
+    "slider_crank_chain",
+    "suspension_modes",
+    "thermal_wall",
+    "transformer_load",
+    "two_equilibria",
+    "wheatstone_bridge",
+)
+STEPS = 400
+PARAMETERS = 4
+DISTANCE = 1e-7  # between runs, as a share of the parameter
+NOISE = 1e-12  # of the runs, as a share of the largest value
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_sensitivities_are_the_limit_of_differences(name: str):
+    run, _ = run_of(name)
+    compiled, outputs = run.compiled, module(name).OUTPUTS
+    scenario = replace(run.scenario, stop=run.scenario.start + STEPS * run.step)
+    flat = compiled.graph.parameters
+    constants = [path for path, parameter in flat.items() if parameter.value.op is Op.CONSTANT]
+    chosen = np.random.default_rng(len(name)).choice(len(constants), min(PARAMETERS, len(constants)), replace=False)
+    parameters = [constants[i] for i in sorted(chosen)]
+    found = pm.sensitivities(
+        compiled,
+        scenario,
+        parameters=parameters,
+        outputs=outputs,
+        method=run.method,
+        step=run.step,
+        record_every=100 * run.step,
+    )
+    assert found.ending.is_complete
+    for k, path in enumerate(parameters):
+        value = found.parameter_values[k]
+        distance = DISTANCE * (abs(value) or 1.0)
+        runs = pm.simulate_many(
+            compiled,
+            pm.designs(scenario, {path: [value - distance, value, value + distance]}),
+            method=run.method,
+            step=run.step,
+            record=outputs,
+            record_every=100 * run.step,
+        )
+        assert not runs.failed
+        for output in outputs:
+            agree(found[output, path], runs[output], distance)
+        entries = [row.path if len(row.bonds) > 1 else next(iter(row.bonds)) for row in compiled.system.rows]
+        for column, of in ((found.row_work, runs.work), (found.row_activity, runs.activity)):
+            agree(column.slopes[:, k], np.array([of(entry) for entry in entries]).T, distance)
+
+
+def agree(slopes: np.ndarray, runs: np.ndarray, distance: float) -> None:
+    """Compare with the differences to either side, between which a kink may lie (a power that changes its sign)."""
+    sides = np.diff(runs, axis=0) / distance
+    allowed = 2e-4 * np.abs(slopes).max() + NOISE * np.abs(runs).max() / distance
+    assert (slopes >= sides.min(axis=0) - allowed).all()
+    assert (slopes <= sides.max(axis=0) + allowed).all()
