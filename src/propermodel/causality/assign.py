@@ -11,6 +11,7 @@ from propermodel.causality.conflicts import Conflict, contradiction, explain, no
 from propermodel.causality.fields import field_causalities
 from propermodel.causality.implicit import Given, implicit_causalities
 from propermodel.diagnostics import Path, StructureError
+from propermodel.expressions.core import SymbolKind, leaves
 from propermodel.modelling.model import (
     ElementKind,
     JunctionKind,
@@ -29,7 +30,7 @@ def assign_causality(
     """Assign every causal stroke.
 
     Sources first, then laws with one causality, then storage (integral if possible; what its author would rather have
-    dependent comes last), then free resistances, those with a preference before the others.
+    dependent comes last), then free resistances: those with a preference first, then those that a signal changes.
 
     Args:
         graph: The bond graph in normal form.
@@ -60,7 +61,7 @@ def assign_causality(
     storages.sort(key=_turn)
     integral, derivative = work.assign_storage(storages)
     resistances = [(e, e.behaviour) for e in elements if isinstance(e.behaviour, Resistive)]
-    for element, behaviour in sorted(resistances, key=lambda pair: pair[1].preference is None):
+    for element, behaviour in sorted(resistances, key=lambda pair: _turn_of_resistance(pair[1])):
         work.choose(element, behaviour)
     work.complete()
     return CausalGraph(graph, work.strokes, tuple(integral), tuple(derivative), tuple(constraints))
@@ -90,6 +91,19 @@ def _turn(element: Element) -> int:
             return 2
         case _:
             return 1
+
+
+def _turn_of_resistance(behaviour: Resistive) -> int:
+    """When a resistance may choose: one that a signal changes sooner: its inverse might divide by zero."""
+    if behaviour.preference is not None:
+        return 0
+    is_changed = any(
+        leaf.data.kind not in (SymbolKind.PARAMETER, SymbolKind.EFFORT, SymbolKind.FLOW)
+        for law in behaviour.laws
+        for result in law.results
+        for leaf in leaves(result.value)
+    )
+    return 1 if is_changed else 2
 
 
 Pattern = dict[Path, bool]  # bond: whether the element receives its effort

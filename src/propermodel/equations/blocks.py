@@ -58,7 +58,7 @@ def _add(found: Blocks, members: list[Unknown]) -> None:
     is_open = any(u.kind is BlockKind.CONSTRAINT for u in members)
     if is_open or any(inside & set(leaves(entry)) for row in matrix for entry in row):
         block, eliminated = _reduce_block(members, residuals, matrix)
-        _keep(found, members, block, eliminated)
+        _keep(found, members, block, eliminated, _stubborn(members, matrix), matrix)
         return
     at_zero = Substitution(dict.fromkeys(symbols, constant(0.0)))
     right = [-at_zero(residual) for residual in residuals]
@@ -74,16 +74,25 @@ def _add(found: Blocks, members: list[Unknown]) -> None:
     )
 
 
-def _keep(found: Blocks, members: list[Unknown], block: ImplicitBlock, eliminated: dict[Expr, Expr]) -> None:
+def _keep(
+    found: Blocks,
+    members: list[Unknown],
+    block: ImplicitBlock,
+    eliminated: dict[Expr, Expr],
+    stubborn: set[int],
+    matrix: list[list[Expr]],
+) -> None:
     found.solution.update(eliminated)
     found.implicit.append(block)
     inner = [u for u in members if u.symbol in eliminated]
     if inner:
+        linear = [i for i in range(len(members)) if i not in stubborn]
         found.solved.append(
             SolvedBlock(
                 unknowns=tuple(u.symbol for u in inner),
                 paths=tuple(u.element for u in inner),
                 kinds=tuple(u.kind for u in inner),
+                matrix=tuple(tuple(matrix[i][j] for j in linear) for i in linear),
             )
         )
 
@@ -94,7 +103,8 @@ def _add_switched(found: Blocks, members: list[Unknown], rates: Mapping[Expr, Ex
     symbols = [u.symbol for u in members]
     residuals = [substitute(u.residual) for u in members]
     matrix = jacobian(residuals, symbols)
-    keep = [i for i, u in enumerate(members) if u.kind is BlockKind.SWITCH or i in _stubborn(members, matrix)]
+    stubborn = _stubborn(members, matrix) | {i for i, u in enumerate(members) if u.kind is BlockKind.SWITCH}
+    keep = sorted(stubborn)
     eliminated = _eliminated(members, residuals, matrix, keep)
     finish = Substitution(eliminated)
     switched = switched_block(
@@ -103,7 +113,7 @@ def _add_switched(found: Blocks, members: list[Unknown], rates: Mapping[Expr, Ex
         found.implicit,
     )
     found.implicit[:] = [block for block in found.implicit if block not in switched.absorbed]
-    _keep(found, members, switched.block, eliminated)
+    _keep(found, members, switched.block, eliminated, stubborn, matrix)
     found.switching.append(switched.switching)
 
 

@@ -17,6 +17,7 @@ from propermodel.equations.impacts import impacts_of
 from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution
 from propermodel.equations.modulation import modulations_of
+from propermodel.equations.rank import rank_losses
 from propermodel.equations.rows import rows_of
 from propermodel.equations.sequence import in_sequence
 from propermodel.equations.solve import eliminate
@@ -113,7 +114,7 @@ def formulate(causal: CausalGraph) -> EquationSystem:
         energies=_energies(causal, resolution, finish),
         rows=rows_of(causal),
         updates=updates,
-        events=events,
+        events=(*events, *rank_losses(blocks.solved)),
         impacts=impacts_of(causal, definitions, resolution, states, events, finish),
         modulations=modulations_of(causal, finished, lambda expr: finish(resolution.complete(expr))),
         switching=tuple(blocks.switching),

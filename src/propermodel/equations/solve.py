@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from propermodel.diagnostics import Diagnostic, Involved, Path, StructureError
-from propermodel.expressions.core import Expr, divide, is_zero, number
+from propermodel.expressions.core import ONE, ZERO, Expr, divide, is_zero, number
 
 
 def eliminate(matrix: Sequence[Sequence[Expr]], right: Sequence[Expr], paths: Sequence[Path]) -> list[Expr]:
@@ -19,13 +19,41 @@ def eliminate(matrix: Sequence[Sequence[Expr]], right: Sequence[Expr], paths: Se
     Raises:
         StructureError: the system is structurally singular; the elements are named.
     """
-    size = len(right)
-    rows = [{column: entry for column, entry in enumerate(row) if not is_zero(entry)} for row in matrix]
-    values = list(right)
-    left, order = list(range(size)), list[int]()
+    rows, values = _sparse(matrix), list(right)
+    order, _ = _triangulate(rows, values, paths)
+    for place, column in reversed(list(enumerate(order))):
+        for k in order[place + 1 :]:
+            if k in rows[column]:
+                values[column] = values[column] - rows[column][k] * values[k]
+        values[column] = divide(values[column], rows[column][column])
+    return values
+
+
+def determinant(matrix: Sequence[Sequence[Expr]], paths: Sequence[Path]) -> Expr:
+    """The determinant of a small matrix of expressions: the product of the pivots of `eliminate`.
+
+    Raises:
+        StructureError: the matrix is structurally singular; the elements are named.
+    """
+    rows = _sparse(matrix)
+    order, is_odd = _triangulate(rows, [ZERO] * len(rows), paths)
+    product = -ONE if is_odd else ONE
+    for column in order:
+        product = product * rows[column][column]
+    return product
+
+
+def _sparse(matrix: Sequence[Sequence[Expr]]) -> list[dict[int, Expr]]:
+    return [{column: entry for column, entry in enumerate(row) if not is_zero(entry)} for row in matrix]
+
+
+def _triangulate(rows: list[dict[int, Expr]], values: list[Expr], paths: Sequence[Path]) -> tuple[list[int], bool]:
+    """Eliminate below the pivots, in place; the order of the columns, and whether rows changed places oddly often."""
+    left, order, is_odd = list(range(len(rows))), list[int](), False
     while left:
         column = _next_column(rows, left)
         pivot = _pivot(rows, column, left, paths)
+        is_odd ^= pivot != column
         rows[column], rows[pivot] = rows[pivot], rows[column]
         values[column], values[pivot] = values[pivot], values[column]
         left.remove(column)
@@ -38,12 +66,7 @@ def eliminate(matrix: Sequence[Sequence[Expr]], right: Sequence[Expr], paths: Se
                 if k in rows[column]:
                     _subtract(rows[row], k, factor * rows[column][k])
             values[row] = values[row] - factor * values[column]
-    for place, column in reversed(list(enumerate(order))):
-        for k in order[place + 1 :]:
-            if k in rows[column]:
-                values[column] = values[column] - rows[column][k] * values[k]
-        values[column] = divide(values[column], rows[column][column])
-    return values
+    return order, is_odd
 
 
 def _subtract(row: dict[int, Expr], column: int, term: Expr) -> None:

@@ -59,7 +59,10 @@ class ImplicitBlock:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolvedBlock:
-    """Unknowns of a linear block, eliminated exactly; `matrix` is what multiplied them."""
+    """Unknowns that were eliminated exactly; `matrix` is what multiplied them in linear equations.
+
+    Of a block that is left to Newton's method, it is that of the unknowns which the block contains linearly.
+    """
 
     unknowns: tuple[Expr, ...]
     paths: tuple[Path, ...]

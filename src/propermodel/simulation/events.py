@@ -20,14 +20,17 @@ from propermodel.codegen.machine import FloatArray, IntArray, Machine, Memory, h
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError
+from propermodel.equations.rank import RankLoss
 from propermodel.simulation.commutation import commutate
 from propermodel.simulation.switches import Switches
 from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus
+from propermodel.simulation.zeros import listed
 
 MOST_IN_ONE_STEP = 100  # events of one element within the length of one step
 MOST_ROUNDS = 100  # changes that raise each other at one instant
 SHARPNESS = 1e-12  # an instant is found to this share of a step, or to some units in the last place of the time
 _MOST_TRIALS = 100
+_PASSES_ZERO = 1e-6  # a determinant that is smaller after its change of sign than this share of before has passed zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +64,8 @@ class Events:
         self._keep_row = keep_row
         self._earlier = earlier
         self._stop = len(compiled.system.events) - 1 if is_stopping else -1
+        self._ranks = {n: event for n, event in enumerate(compiled.system.events) if isinstance(event, RankLoss)}
+        self._silent = [*self._ranks, self._stop]  # numbers of events that change nothing
         self._happened: list[EventRecord] = []
         self._recent: dict[Path, deque[float]] = {}
         self._energies = _energy_entries(compiled.lowered, compiled)
@@ -79,6 +84,7 @@ class Events:
             signals = self._machine.observe(memory)
             self._switches.decide(memory)
             guards = self._machine.guards(memory)
+            memory.guard[list(self._ranks)] = guards[list(self._ranks)]
             if has_risen(memory.guard, guards).any() or self._switches.violation(memory).size > 0.0:
                 if not self._switches:  # before the start nothing says how switches were
                     self._keep_row(memory.time, signals)
@@ -91,8 +97,12 @@ class Events:
     def happen(self, memory: Memory, step: float) -> Ending | None:
         """Find the first event in a step, go there and make its changes; an ending where this has no end."""
         try:
+            earlier = self._machine.guards(memory)
             found = self._find(memory, step)
+            lost = self._rank_lost(memory.guard, earlier, found.guards)
             _move(found.memory, memory)
+            if lost is not None:
+                return _singular(memory.time, lost)
             signals = self._machine.observe(memory)
             self._keep_row(memory.time, signals)
             return self._change(memory, found.guards, signals)
@@ -135,6 +145,14 @@ class Events:
         self._machine.advance(trial, length)
         return _Trial(length, trial, self._machine.guards(trial))
 
+    def _rank_lost(self, kept: FloatArray, earlier: FloatArray, now: FloatArray) -> RankLoss | None:
+        """The equations whose determinant has passed zero, rather than jumped over it."""
+        risen = has_risen(kept, now)
+        for number, event in self._ranks.items():
+            if risen[number] and now[number] <= _PASSES_ZERO * abs(earlier[number]) < math.inf:
+                return event
+        return None
+
     # -- the changes -------------------------------------------------------------------------------
 
     def _change(self, memory: Memory, guards: FloatArray, signals: FloatArray) -> Ending | None:
@@ -156,7 +174,7 @@ class Events:
             values = self._jumps(memory, risen)
             struck, signals = self._strike(memory, risen, values, signals)
             later = sum(struck.values())  # what impulses take away that has not been told yet
-            for number in risen[risen != self._stop]:
+            for number in risen[~np.isin(risen, self._silent)]:
                 before = self._energy(signals)
                 self._apply(memory, int(number), values)
                 self._switches.decide(memory)
@@ -268,6 +286,17 @@ def _energy_entries(lowered: Lowered, compiled: CompiledModel) -> list[int]:
 
 def _stopped(time: float) -> Ending:
     return Ending(RunStatus.STOPPED, f"stopped at {time:.6g} s, where its condition has become true", time)
+
+
+def _singular(time: float, lost: RankLoss) -> Ending:
+    names, causes = listed(map(str, lost.paths)), listed(map(str, lost.changing))
+    return Ending(
+        RunStatus.FAILED,
+        f"stopped at {time:.6g} s: the equations of {names} determine nothing there, as {causes} changes: their "
+        "determinant passes zero (a resistance that has become negative, a gain of a loop that reaches 1)",
+        time,
+        lost.element,
+    )
 
 
 def _unsolved(time: float, error: SimulationError) -> Ending:
