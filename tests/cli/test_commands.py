@@ -112,6 +112,28 @@ def test_run_prints_a_summary_and_writes_what_was_recorded(tmp_path: Path):
     assert (tmp_path / "trajectory.npz").is_file()
 
 
+def test_a_run_is_recorded_shown_and_run_again(tmp_path: Path):
+    file = tmp_path / "run.npz"
+    printed = succeed("run", MODEL, "--until", "2", "--method", "rk4", "--step", "0.002", "--record-to", file)
+    assert printed.splitlines()[-1] == file.as_posix()
+    stored = load_trajectory(file)
+    assert stored.ending.is_complete
+    shown = succeed("show", file).splitlines()
+    assert shown[:3] == [
+        "quarter_car, scenario waves: completed to 2 s",
+        "1000 steps of at most 0.002 s (rk4)",
+        f"{len(stored.time)} rows, 0 events",
+    ]
+    (row,) = [line.split() for line in shown if line.startswith("body.flange.flow ")]
+    flow = stored["body.flange.flow"]
+    assert row[1:] == [f"{flow.min():.6g}", f"{flow.max():.6g}", "m/s"]
+    assert "suspension" in succeed("show", file, "--tree")
+    assert succeed("run", file).startswith("quarter_car, scenario waves: completed to 2 s; 1000 steps of 0.002 s (rk4)")
+    done = invoke("run", MODEL, "--record-to", tmp_path / "nowhere" / "run.npz")
+    assert done.exit_code == 2
+    assert "error[simulation/record-to]" in done.output
+
+
 def test_a_condition_ends_a_run():
     report = json.loads(succeed("run", MODEL, "--until", "time > 1.5 s and time > 500 ms", "--step", "0.01", "--json"))
     assert report["status"] == "stopped"

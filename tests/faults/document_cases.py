@@ -97,7 +97,7 @@ CASES = (
     Case(
         code="document/archive",
         run=lambda: pm.load_trajectory(file_of("time,force", "run.npz")),
-        names=("run.npz", "it is too short"),
+        names=("run.npz", "it is no archive"),
         cure="save_trajectory",
     ),
     Case(

@@ -396,6 +396,12 @@ CASES = (
         names=("0 s",),
         cure="record_every=",
     ),
+    Case(
+        code="simulation/record-to",
+        run=lambda: simulate(quarter(), STEP, step=1e-3, record_to="nowhere/run.npz"),
+        names=("nowhere/run.npz", "No such file"),
+        cure="folder that exists",
+    ),
     Case(code="simulation/not-converged", run=not_converged, names=("square", "0 s"), cure="laws around this loop"),
     Case(code="simulation/start", run=too_fast, names=("fast.momentum",), cure="starts that agree"),
     Case(code="simulation/continue", run=continued_elsewhere, cure="compile"),

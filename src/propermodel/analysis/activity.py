@@ -220,7 +220,7 @@ def bond_activity(trajectory: Trajectory, entry: Path, window: tuple[float, floa
     """The activity of a bond (or of a row of several), J."""
     if window is None:
         return trajectory.activity(entry)
-    column = trajectory.activities[:, trajectory.power_index(entry)]
+    column = trajectory.kept_activity(entry)
     first, last = (int(np.argmin(np.abs(trajectory.integral_times - t))) for t in window)
     return float(column[last] - column[first])
 

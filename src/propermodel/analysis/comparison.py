@@ -9,7 +9,8 @@ import numpy as np
 
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import Expr
-from propermodel.simulation.trajectory import Trajectory, observable_path
+from propermodel.simulation.observables import observable_path
+from propermodel.simulation.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)

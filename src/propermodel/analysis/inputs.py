@@ -18,7 +18,7 @@ from propermodel.equations.formulate import formulate
 from propermodel.equations.system import EquationSystem
 from propermodel.expressions.core import TIME, ZERO, Expr, SymbolKind, is_zero, leaves, lookup, slope, symbol
 from propermodel.modelling.model import ElementKind, PowerSource, TableSpec, TableValues, Variable
-from propermodel.simulation.trajectory import observable_path
+from propermodel.simulation.observables import observable_path
 
 _NOTHING = TableValues(((0.0, 1.0),), (0.0, 0.0))
 

@@ -22,7 +22,7 @@ from propermodel.analysis.transfer import TransferFunction, transfer_function
 from propermodel.codegen.machine import FloatArray
 from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
-from propermodel.simulation.trajectory import observable_path
+from propermodel.simulation.observables import observable_path
 
 MOST_PRINTED = 12  # larger matrices are not written out
 

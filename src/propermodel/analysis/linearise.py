@@ -17,10 +17,11 @@ from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, o
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import ElementKind, Resistive, Scenario, Storage
 from propermodel.simulation.equilibrium import Equilibrium
+from propermodel.simulation.observables import observable_path
 from propermodel.simulation.point import Point
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.start import Start, begin
-from propermodel.simulation.trajectory import Trajectory, observable_path
+from propermodel.simulation.trajectory import Trajectory
 
 
 def linearise(

@@ -146,6 +146,8 @@ def load_subject(text: str, scenario: str | None = None) -> Subject:
 
         model = read_model(text)
         return Subject(name=FilePath(text).stem, model=model, scenario=_scenario(scenario, {}, None))
+    if text.endswith(".npz"):
+        return _from_run(text, scenario)
     file, mark, name = text.rpartition(":")
     if mark and file.endswith(".py"):
         module = import_file(file)
@@ -166,6 +168,20 @@ def load_subject(text: str, scenario: str | None = None) -> Subject:
         "command/unknown-model",
         f"there is no model '{text}'",
         help=nearest(text, NAMED_MODELS) or f"give one of {', '.join(NAMED_MODELS)}; file.py:Class; or a JSON document",
+    )
+
+
+def _from_run(file: str, scenario: str | None) -> Subject:
+    from propermodel.simulation.storage import load_trajectory
+
+    stored = load_trajectory(file)
+    return Subject(
+        name=stored.model.name,
+        model=stored.model,
+        scenario=stored.scenario if scenario is None else _scenario(scenario, {}, None),
+        method=stored.method,
+        step=stored.step,
+        jacobian_every=stored.jacobian_every,
     )
 
 

@@ -31,7 +31,7 @@ ModelText = Annotated[
     typer.Argument(
         metavar="MODEL",
         help="A name of the library (truck, half-car), file.py:Class (file.py alone where it holds one system), or the "
-        "JSON document of a model.",
+        "JSON document of a model, or the file of a run (.npz).",
     ),
 ]
 ScenarioText = Annotated[

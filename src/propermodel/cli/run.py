@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path as FilePath
 from typing import Annotated
 
 import typer
@@ -34,6 +35,14 @@ def run(
     output: OutputOption = None,
     settings: SetOption = None,
     record_every: Annotated[float | None, typer.Option(help="Period of recording, s.", metavar="S")] = None,
+    record_to: Annotated[
+        FilePath | None,
+        typer.Option(
+            help="A file (.npz) to which rows go as they are made, for long runs; it can be shown meanwhile.",
+            metavar="FILE",
+            dir_okay=False,
+        ),
+    ] = None,
     out: OutFolder = None,
     as_json: AsJson = False,
 ) -> None:
@@ -44,7 +53,6 @@ def run(
     from propermodel.cli.tables import Screen, plain, table
     from propermodel.compiler import compile_model
     from propermodel.report.study import StudyOptions, check_outputs
-    from propermodel.report.summary import write_columns
     from propermodel.simulation.simulate import simulate
     from propermodel.simulation.storage import save_trajectory
     from propermodel.simulation.trajectory import RunStatus
@@ -70,17 +78,18 @@ def run(
             step=subject.step,
             jacobian_every=subject.jacobian_every,
             record_every=period,
+            record_to=record_to,
             until=condition,
             progress=lambda progress: bars("simulating", progress),
         )
     shown = subject.outputs or tuple(state.path for state in compiled.system.states)
     balance = energy_balance(answer)
-    files: list[str] = []
+    files = [] if record_to is None else [record_to.as_posix()]
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
         save_trajectory(answer, out / "trajectory.npz")
-        write_columns(answer, shown, out / "outputs.csv")
-        files = [(out / name).as_posix() for name in ("trajectory.npz", "outputs.csv")]
+        answer.to_csv(out / "outputs.csv", shown)
+        files += [(out / name).as_posix() for name in ("trajectory.npz", "outputs.csv")]
     if as_json:
         values = {
             str(path): {"unit": answer.unit(path), "start": answer.at_start(path), "end": answer.at_end(path)}
@@ -109,8 +118,8 @@ def run(
         )
         for path in shown:
             ends = answer.at_start(path), answer.at_end(path)
-            seen = (*ends, *answer[path].tolist())
-            numbers = (*ends, min(seen), max(seen))
+            seen = answer.overview(path, points=1)
+            numbers = (*ends, min(*ends, *seen.least.tolist()), max(*ends, *seen.greatest.tolist()))
             made.add_row(plain(path), *(f"{number:.6g}" for number in numbers), answer.unit(path))
         screen.print(made)
         for file in files:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rich.tree import Tree
 
     from propermodel.cli.models import Subject
+    from propermodel.cli.tables import Screen
     from propermodel.compiler import CompiledModel
     from propermodel.equations.matrices import SymbolicMatrices
     from propermodel.equations.readable import ReadableEquations
@@ -43,7 +44,7 @@ def show(
     parameters: Annotated[bool, typer.Option("--parameters", help="Values, units, and where they are from.")] = False,
     settings: SetOption = None,
 ) -> None:
-    """Show a model: its parts, causality, equations or parameters."""
+    """Show a model: its parts, causality, equations or parameters; or what a run recorded to a file."""
     from propermodel.causality.report import explain_causality
     from propermodel.cli.models import load_subject
     from propermodel.cli.tables import Screen
@@ -51,8 +52,11 @@ def show(
     from propermodel.equations.matrices import symbolic_matrices
     from propermodel.equations.readable import state_equations
 
-    subject = load_subject(model)
     screen = Screen()
+    if model.endswith(".npz") and not (tree or causality or equations or matrices or parameters):
+        _show_run(model, screen)
+        return
+    subject = load_subject(model)
     if tree or not (causality or equations or matrices or parameters):
         screen.print(_tree(subject.model))
     if not (causality or equations or matrices or parameters):
@@ -67,6 +71,27 @@ def show(
         typer.echo(_written(symbolic_matrices(compiled), format))
     if parameters:
         screen.print(_parameters(compiled, subject, settings or []))
+
+
+def _show_run(file: str, screen: Screen) -> None:
+    import numpy as np
+
+    from propermodel.cli.tables import plain, table
+    from propermodel.simulation.storage import load_trajectory
+
+    run = load_trajectory(file)
+    screen.print(plain(f"{run.model.name}, scenario {run.scenario.name}: {run.ending.message}"))
+    screen.print(plain(f"{run.statistics.steps} steps of at most {run.step:g} s ({run.method})"))
+    for note in run.notes:
+        screen.print(plain(f"note: {note}"))
+    screen.print(f"{len(run.signals)} rows, {len(run.events)} events")
+    made = table("", "recorded", "least", "greatest", "unit", right=("least", "greatest"))
+    for path in run.paths if len(run.signals) else ():
+        seen = run.overview(path, points=1)
+        made.add_row(
+            plain(path), f"{np.fmin.reduce(seen.least):.6g}", f"{np.fmax.reduce(seen.greatest):.6g}", run.unit(path)
+        )
+    screen.print(made)
 
 
 def _written(what: ReadableEquations | SymbolicMatrices, form: EquationFormat) -> str:

@@ -232,7 +232,7 @@ def read_scenario(path: FileName, *, limits: Limits = LIMITS) -> Scenario:
 # -- files ----------------------------------------------------------------------------------------------
 
 
-def opened(document: Json, wanted: str, top: Place) -> dict[str, Json]:
+def opened(document: Json, wanted: str, top: Place, readable: int = VERSION) -> dict[str, Json]:
     """The entries of a document, without format and version, which are checked."""
     given = dict(as_object(document, top))
     found = given.pop("format", None)
@@ -244,11 +244,11 @@ def opened(document: Json, wanted: str, top: Place) -> dict[str, Json]:
             help=_FORMAT_CURE.get(found if isinstance(found, str) else "", "is it a document of this package?"),
         )
     version = given.pop("version", None)
-    if isinstance(version, bool) or version != VERSION:
+    if isinstance(version, bool) or version != readable:
         what = described(version).removeprefix("the number ") if version is not None else "missing"
         raise DocumentError.of(
             "document/version",
-            f"the version of this {wanted} document is {what}; version {VERSION} is read",
+            f"the version of this {wanted} document is {what}; version {readable} is read",
             help="open it with the release that wrote it, or a later one",
         )
     return given

@@ -16,7 +16,8 @@ class Limits:
 
     Attributes:
         file_bytes: Bytes of a JSON document or a CSV file.
-        trajectory_bytes: Bytes of a saved trajectory, packed and unpacked.
+        trajectory_bytes: Bytes that the packed parts of a trajectory unpack to.
+        trajectory_parts: Parts of a trajectory: arrays, and reports on how far it had come.
         values: Values of a JSON document: numbers, texts, lists, objects.
         depth: Lists and objects of a JSON document, one in another.
         text_characters: Characters of a text, or of a path written with dots.
@@ -31,6 +32,7 @@ class Limits:
 
     file_bytes: int = 64 * 2**20
     trajectory_bytes: int = 2 * 2**30
+    trajectory_parts: int = 200_000
     values: int = 4_000_000
     depth: int = 32
     text_characters: int = 100_000

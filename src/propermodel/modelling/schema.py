@@ -262,6 +262,10 @@ def _read_numbers(data: Json, place: Place) -> tuple[float, ...]:
     return tuple(_read_finite(item, place.item(index)) for index, item in enumerate(items))
 
 
+def _write_numbers(values: tuple[float, ...]) -> list[Json]:
+    return list(map(float if all(map(math.isfinite, values)) else number_data, values))
+
+
 def _read_bool(data: Json, place: Place) -> bool:
     if not isinstance(data, bool):
         raise place.fault(f"expected true or false, found {described(data)}")
@@ -290,7 +294,7 @@ PATH: Codec[Path] = Codec(lambda path, _: path_text(path), _read_path)
 NUMBER: Codec[float] = Codec(lambda value, _: number_data(value), read_number)
 FINITE: Codec[float] = Codec(lambda value, _: number_data(value), _read_finite)
 BOOLEAN: Codec[bool] = Codec(lambda value, _: value, _read_bool)
-NUMBERS: Codec[tuple[float, ...]] = Codec(lambda values, _: list(map(number_data, values)), _read_numbers)
+NUMBERS: Codec[tuple[float, ...]] = Codec(lambda values, _: _write_numbers(values), _read_numbers)
 SOURCE: Codec[Source] = Codec(
     lambda source, references: [_write_text(portable_file(source.file), references), source.line], _read_source
 )

@@ -16,7 +16,8 @@ from propermodel.reduction.freezing import OBSERVED, signals_to_freeze
 from propermodel.reduction.groups import Group, GroupRules, find_groups
 from propermodel.reduction.single import Proposal, propose, propose_constant
 from propermodel.reduction.together import too_much_together
-from propermodel.simulation.trajectory import Trajectory, observable_path
+from propermodel.simulation.observables import observable_path
+from propermodel.simulation.trajectory import Trajectory
 
 
 class Verdict(StrEnum):

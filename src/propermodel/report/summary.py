@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from propermodel.analysis.comparison import OutputError
-from propermodel.diagnostics import Path
 from propermodel.modelling.model import (
     ConstantEffort,
     ConstantFlow,
@@ -124,13 +123,6 @@ def write_outputs(study: ReductionStudy, file: FilePath) -> None:
         names += [f"{path} [{full.unit(path)}] full", f"{path} [{full.unit(path)}] reduced"]
         columns += [full[path], np.interp(full.time, reduced.time, reduced[path])]
     _write_csv(file, names, np.column_stack(columns).tolist())
-
-
-def write_columns(run: Trajectory, paths: Iterable[Path], file: FilePath) -> None:
-    """Write some observables of a run over time as CSV, in SI."""
-    paths = tuple(paths)
-    names = ["time_s", *(f"{path} [{run.unit(path)}]" for path in paths)]
-    _write_csv(file, names, np.column_stack([run.time, *(run[path] for path in paths)]).tolist())
 
 
 def _write_csv(file: FilePath, names: list[str], rows: Iterable[Iterable[object]]) -> None:

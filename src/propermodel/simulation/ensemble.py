@@ -32,11 +32,12 @@ from propermodel.diagnostics import Faults, Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.finite import faults_of_settings
+from propermodel.simulation.observables import observable_path
 from propermodel.simulation.side_by_side import LaneResults, run_together
 from propermodel.simulation.simulate import selected_entries, simulate
 from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.table_store import TableStore
-from propermodel.simulation.trajectory import Ending, Statistics, observable_path
+from propermodel.simulation.trajectory import Ending, Statistics
 
 NO_ROWS = float("inf")
 MOST_ROWS_AT_ONCE = 1024

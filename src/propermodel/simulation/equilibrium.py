@@ -20,9 +20,9 @@ from propermodel.diagnostics import Diagnostic, Faults, Involved, Path, Simulati
 from propermodel.equations.system import StateKind
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
+from propermodel.simulation.observables import observable_path
 from propermodel.simulation.point import Point, jacobian_at
 from propermodel.simulation.start import Start, start_of
-from propermodel.simulation.trajectory import observable_path
 
 TOLERANCE = 1e-9  # of the last correction, as a share of the size that a state has had on the way
 RANK_TOLERANCE = 1e-11  # a singular value below this share of the largest counts as zero, rows and columns scaled

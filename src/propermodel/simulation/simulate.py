@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -14,17 +15,20 @@ from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
+from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.conditions import parse_condition
 from propermodel.simulation.endings import ending_of
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.events import Events
 from propermodel.simulation.finite import faults_of_settings
-from propermodel.simulation.overflow import Overflow, first_overflow
+from propermodel.simulation.observables import observable_path
+from propermodel.simulation.recording import FileStore, MemoryStore, Recording, RecordingStopped, stopped_ending
 from propermodel.simulation.stability import note_on_step
 from propermodel.simulation.start import Start, begin, start_of
 from propermodel.simulation.stopping import add_guard, drop_guard, stopping
-from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, observable_path
+from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, outside_tables
+from propermodel.simulation.trajectory_format import StoredProgress, header_of
 
 RETURN_EVERY_S = 0.1
 
@@ -63,6 +67,7 @@ def simulate(
     jacobian_every: int = 1,
     record: Iterable[Expr | Path | str] | None = None,
     record_every: float = 0.1,
+    record_to: FileName | None = None,
     integrals_every: float = 1.0,
     progress: Callable[[Progress], None] | None = None,
     continued_from: Trajectory | None = None,
@@ -80,6 +85,9 @@ def simulate(
             but stiff parts that change quickly may no longer be damped. After the instants above there is a new one.
         record: Observables to record; by default all.
         record_every: Period of recording, s.
+        record_to: A file, by convention ending in `.npz`, to which rows go as they are made, so that memory stays
+            bounded however long the run is; it can be opened with `load_trajectory` also while the run goes on, and
+            after its process was killed. A file that is there is replaced. Without it rows are kept in memory.
         integrals_every: Period at which the integrals of power are kept, s; they are made at every step.
         progress: Called about ten times a second.
         continued_from: A run of the same model to go on from; `scenario.stop` is the new end.
@@ -123,7 +131,6 @@ def simulate(
         memory = add_guard(machine, memory, is_continued=continued_from is not None)
     # Integrals count from the origin of a run, also of one that is continued, and so does its start.
     start_signals = machine.observe(memory) if continued_from is None else continued_from.start_signals
-    rows = _Rows(memory, scenario, selected, record_every, integrals_every, len(compiled.lowered.powers))
     request = Request(
         until=scenario.stop,
         step=step,
@@ -136,28 +143,48 @@ def simulate(
     )
     before = time.perf_counter()
     earlier = () if continued_from is None else continued_from.events
-    events = Events(run_model, machine, step, rows.keep_signals, earlier, is_stopping=until is not None)
-    outcome = _run(machine, memory, request, rows, progress, scenario, events)
-    if isinstance(outcome, Ending):
-        rows.keep_end(memory)
-    wall_s = time.perf_counter() - before
+    powers = len(compiled.lowered.powers)
+    with ExitStack() as files:
+        store = (
+            MemoryStore(scenario.stop - memory.time, record_every, len(selected), integrals_every, powers)
+            if record_to is None
+            else FileStore(
+                record_to,
+                header_of(compiled, scenario, selected, notes, method, step, jacobian_every),
+                len(selected),
+                files,
+            )
+        )
+        recording = Recording(store, selected, memory.copy())
+        events = Events(run_model, machine, step, recording.keep_signals, earlier, is_stopping=until is not None)
+
+        def stand() -> StoredProgress:
+            statistics = Statistics(memory.steps_taken, time.perf_counter() - before, build_s)
+            return StoredProgress(
+                time=memory.time,
+                statistics=statistics,
+                events=events.records,
+                outside_tables=outside_tables(compiled, memory),
+            )
+
+        outcome = _run(machine, memory, request, recording, progress, scenario, events, stand)
+        stood = stand()
+        ending = ending_of(run_model, outcome, memory, recording.before, recording.overflow)
+        recorded = recording.finish(stood, ending, memory if isinstance(outcome, Ending) else None)
     return Trajectory(
         compiled=compiled,
         scenario=scenario,
         method=method,
         step=step,
         jacobian_every=jacobian_every,
-        time=rows.times[: rows.count],
-        columns=rows.values[: rows.count],
+        signals=recorded.signals,
         recorded={int(entry): column for column, entry in enumerate(selected)},
-        integral_times=rows.integral_times[: rows.integral_count],
-        integrals=rows.integrals[: rows.integral_count],
-        activities=rows.activities[: rows.integral_count],
+        power_integrals=recorded.integrals,
         start_signals=start_signals,
-        final_signals=_final_signals(machine, memory, outcome),
+        final_signals=machine.observe(memory) if recording.is_stopped else _final_signals(machine, memory, outcome),
         memory=memory if until is None else drop_guard(memory),
-        ending=ending_of(run_model, outcome, memory, rows.before, rows.overflow),
-        statistics=Statistics(steps=memory.steps_taken, wall_s=wall_s, build_s=build_s),
+        ending=recorded.ending,
+        statistics=stood.statistics,
         events=events.records,
         notes=notes,
     )
@@ -173,104 +200,44 @@ def _begun(compiled: CompiledModel, scenario: Scenario, start: Literal["declared
             return start
 
 
-class _Rows:
-    """Room for what is recorded; it grows only where events add rows."""
-
-    def __init__(
-        self,
-        memory: Memory,
-        scenario: Scenario,
-        selected: np.ndarray[tuple[int], np.dtype[np.int64]],
-        row_period: float,
-        integral_period: float,
-        powers: int,
-    ) -> None:
-        self._selected = selected
-        span = scenario.stop - memory.time
-        room, integral_room = int(span / row_period) + 3, int(span / integral_period) + 3
-        self.times: FloatArray = np.empty(room)
-        self.values: FloatArray = np.empty((room, len(selected)))
-        self.integral_times: FloatArray = np.empty(integral_room)
-        self.integrals: FloatArray = np.empty((integral_room, powers))
-        self.activities: FloatArray = np.empty((integral_room, powers))
-        self.count = 0
-        self.integral_count = 0
-        self.overflow: Overflow | None = None
-        self.before = memory.copy()  # before the last call, whose numbers were finite
-
-    def keep_signals(self, time: float, signals: FloatArray) -> None:
-        """Add a row at an instant of the run's own."""
-        self._make_room(1)
-        self.times[self.count] = time
-        self.values[self.count] = signals[self._selected]
-        self.count += 1
-
-    def keep_end(self, memory: Memory) -> None:
-        """Keep the integrals of a run that ends between two instants of theirs."""
-        here = self.integral_count
-        if here == len(self.integral_times) or (here and self.integral_times[here - 1] >= memory.time):
-            return
-        self.integral_times[here] = memory.time
-        self.integrals[here] = memory.integral
-        self.activities[here] = memory.activity
-        self.integral_count += 1
-
-    def _make_room(self, rows: int) -> None:
-        if self.count + rows > len(self.times):
-            room = 2 * (self.count + rows)
-            times, values = np.empty(room), np.empty((room, self.values.shape[1]))
-            times[: self.count], values[: self.count] = self.times[: self.count], self.values[: self.count]
-            self.times, self.values = times, values
-
-    def keep(self, outcome: Outcome) -> None:
-        """Take over what one call recorded."""
-        n = len(outcome.row_times)
-        self._make_room(n)
-        self.times[self.count : self.count + n] = outcome.row_times
-        self.values[self.count : self.count + n] = outcome.rows
-        self.count += n
-        n = len(outcome.integral_times)
-        here = slice(self.integral_count, self.integral_count + n)
-        self.integral_times[here] = outcome.integral_times
-        self.integrals[here] = outcome.integrals
-        self.activities[here] = outcome.activities
-        self.integral_count += n
-        if self.overflow is None:
-            self.overflow = first_overflow(outcome.integral_times, outcome.integrals, outcome.activities)
-
-
 def _run(
     machine: Machine,
     memory: Memory,
     request: Request,
-    rows: _Rows,
+    recording: Recording,
     progress: Callable[[Progress], None] | None,
     scenario: Scenario,
     events: Events,
+    stand: Callable[[], StoredProgress],
 ) -> Outcome | Ending | None:
-    """Run to the end, returning often; None when the user interrupts, an ending where events have no end."""
+    """Run to the end, returning often.
+
+    None when the user interrupts; an ending where events have no end, or no more can be recorded.
+    """
     begin_wall = time.perf_counter()
     try:
         ending = events.begin(memory)
         if ending is not None:
             return ending
         while True:
-            rows.before = memory.copy()
+            recording.before = memory.copy()
             before = time.perf_counter()
             outcome = machine.run(memory, request)
             taken = time.perf_counter() - before
-            rows.keep(outcome)
+            recording.keep(outcome, stand)
             if progress is not None:
                 progress(Progress(memory.time, scenario.start, scenario.stop, time.perf_counter() - begin_wall))
-            if outcome.status is Status.EVENT and rows.overflow is None:
+            if outcome.status is Status.EVENT and recording.overflow is None:
                 ending = events.happen(memory, outcome.step)
                 if ending is not None:
                     return ending
                 continue
-            if outcome.status is not Status.PAUSED or rows.overflow is not None:
+            if outcome.status is not Status.PAUSED or recording.overflow is not None:
                 return outcome
             factor = min(max(RETURN_EVERY_S / max(taken, 1e-6), 0.25), 4.0)
             request = replace(request, most_ticks=max(1, min(int(request.most_ticks * factor), 1_000_000)))
+    except RecordingStopped as error:
+        return stopped_ending(error, memory.time)
     except KeyboardInterrupt:
         return None
 

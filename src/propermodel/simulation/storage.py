@@ -1,67 +1,70 @@
-"""Trajectories as files: arrays of NumPy with a JSON header that holds the model and the scenario.
-
-The file is an `.npz` archive, read without pickles: `header` (JSON in UTF-8), `time`, `columns`, `integral_times`,
-`integrals` and `activities`.
-"""
+"""Trajectories as files, written at once or while the run goes on; their rows are read when they are asked for."""
 
 from __future__ import annotations
 
-import json
-import os
-from collections.abc import Container, Iterable, Mapping
+import math
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import cast
+from typing import Any
 
 import numpy as np
 
 from propermodel.codegen.machine import FloatArray, Method
-from propermodel.diagnostics import DocumentError, Path, ProperModelError, one_of
+from propermodel.diagnostics import DocumentError, Path, one_of
 from propermodel.expressions.core import Expr
-from propermodel.modelling.documents import SharedEntries, opened
-from propermodel.modelling.files import FileName, check_size, of_file, open_file, partial_file
-from propermodel.modelling.json_text import parse_json
+from propermodel.modelling.files import FileName, partial_file
 from propermodel.modelling.limits import LIMITS, Limits
 from propermodel.modelling.model import Model, Scenario
-from propermodel.modelling.schema import Place, malformed
-from propermodel.simulation.archives import read_arrays
+from propermodel.simulation.export import frames, to_csv, to_pandas, to_xarray
+from propermodel.simulation.observables import observable_path
+from propermodel.simulation.overview import Overview, make_overview
+from propermodel.simulation.run_file import read_run
+from propermodel.simulation.run_writer import RunWriter
+from propermodel.simulation.series import ArraySeries, Series
 from propermodel.simulation.trajectory import (
     Ending,
     EventRecord,
     Statistics,
     TableUse,
     Trajectory,
-    observable_path,
 )
-from propermodel.simulation.trajectory_format import HEADER, Header
-
-FORMAT = "propermodel-trajectory"
-VERSION = 1
-
-_ARRAYS = ("time", "columns", "integral_times", "integrals", "activities")
+from propermodel.simulation.trajectory_format import Header, StoredProgress
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StoredTrajectory:
-    """A run read from a file: `stored[observable]` is a column over `time`, as in the run that was saved."""
+    """A run in a file: `stored[observable]` is a column over `time`, as in the run that was saved or recorded.
+
+    Columns are read from the file when they are asked for, one at a time, so the file must stay where it is.
+    """
 
     model: Model
     scenario: Scenario
     method: Method
     step: float
     jacobian_every: int
-    time: FloatArray
     units: Mapping[Path, str]
-    integral_times: FloatArray
     ending: Ending
     statistics: Statistics
     events: tuple[EventRecord, ...]
     notes: tuple[str, ...]
     outside_tables: tuple[TableUse, ...]
-    _columns: FloatArray
+    signals: Series
+    power_integrals: Series
     _entries: Mapping[Path, int]
-    _integrals: FloatArray
-    _activities: FloatArray
+    _width: int
     _powers: Mapping[Path, int]
+    _power_count: int
+
+    @property
+    def time(self) -> FloatArray:
+        """The instants of the rows."""
+        return self.signals.times()
+
+    @property
+    def integral_times(self) -> FloatArray:
+        """The instants at which integrals of power were kept."""
+        return self.power_integrals.times()
 
     @property
     def paths(self) -> tuple[Path, ...]:
@@ -80,7 +83,28 @@ class StoredTrajectory:
         path = observable_path(observable)
         if path.name == "power" and path not in self._entries:
             return self[path.parent / "effort"] * self[path.parent / "flow"]
-        return self._columns[:, self._find(path, self._entries, "observable")]
+        return self.signals.column(self.column_of(path))
+
+    def column_of(self, path: Path) -> int:
+        """The column of `signals` that holds an observable.
+
+        Raises:
+            DocumentError: the file holds no such column.
+        """
+        return self._find(path, self._entries, "observable")
+
+    def overview(
+        self, observable: Expr | Path | str, start: float = -math.inf, stop: float = math.inf, points: int = 2000
+    ) -> Overview:
+        """The least and greatest values of a column in about so many intervals, to draw a long one by.
+
+        Raises:
+            DocumentError: the file holds no such column.
+        """
+        path = observable_path(observable)
+        if path.name == "power" and path not in self._entries:
+            return make_overview(ArraySeries(self.time, self[path][:, np.newaxis]), 0, 1, start, stop, points)
+        return make_overview(self.signals, self.column_of(path), self._width, start, stop, points)
 
     def unit(self, observable: Expr | Path | str) -> str:
         """The unit of a stored observable."""
@@ -89,11 +113,27 @@ class StoredTrajectory:
 
     def work(self, entry: Path) -> FloatArray:
         """The integral of the power of a bond or row over `integral_times`, J."""
-        return self._integrals[:, self._find(entry, self._powers, "bond or row")]
+        return self.power_integrals.column(self._find(entry, self._powers, "bond or row"))
 
     def activity(self, entry: Path) -> FloatArray:
         """The activity of a bond or row over `integral_times`, J."""
-        return self._activities[:, self._find(entry, self._powers, "bond or row")]
+        return self.power_integrals.column(self._power_count + self._find(entry, self._powers, "bond or row"))
+
+    def to_pandas(self, only: Iterable[Expr | Path | str] | None = None) -> Any:
+        """Columns, by default all, as a pandas DataFrame over time; needs the extra `data`."""
+        return to_pandas(self, only)
+
+    def frames(self, only: Iterable[Expr | Path | str] | None = None) -> Iterator[Any]:
+        """The same, some rows at a time, for runs that are too long to be held as a whole."""
+        return frames(self, only)
+
+    def to_xarray(self, only: Iterable[Expr | Path | str] | None = None) -> Any:
+        """Columns, by default all, as an xarray Dataset over time, with units; needs the extra `data`."""
+        return to_xarray(self, only)
+
+    def to_csv(self, file: FileName, only: Iterable[Expr | Path | str] | None = None) -> None:
+        """Write columns, by default all, over time as CSV, in SI; some rows at a time, however many there are."""
+        to_csv(self, file, only)
 
     def _find(self, path: Path, known: Mapping[Path, int], what: str) -> int:
         if path not in known:
@@ -120,35 +160,33 @@ def save_trajectory(
     """
     known = trajectory.compiled.lowered.observables
     chosen = trajectory.paths if only is None else _columns_of(only, known)
-    kept = list(dict.fromkeys(trajectory.recorded[known[path].index] for path in chosen))
+    kept = list(dict.fromkeys(trajectory.column_of(path) for path in chosen))
     place = {column: position for position, column in enumerate(kept)}
     header = Header(
         method=trajectory.method,
         step=trajectory.step,
         jacobian_every=trajectory.jacobian_every,
-        ending=trajectory.ending,
-        statistics=trajectory.statistics,
-        events=trajectory.events,
         notes=trajectory.notes,
-        outside_tables=trajectory.outside_tables,
-        columns=tuple((path, trajectory.unit(path), place[trajectory.recorded[known[path].index]]) for path in chosen),
+        columns=tuple((path, trajectory.unit(path), place[trajectory.column_of(path)]) for path in chosen),
         powers=tuple((power.kind, power.path) for power in trajectory.compiled.lowered.powers),
         scenario=trajectory.scenario,
         model=trajectory.compiled.model,
     )
-    document = {"format": FORMAT, "version": VERSION, **HEADER.write(header, SharedEntries())}
-    text = json.dumps(document, allow_nan=False).encode()
+    progress = StoredProgress(
+        time=trajectory.memory.time,
+        statistics=trajectory.statistics,
+        events=trajectory.events,
+        outside_tables=trajectory.outside_tables,
+        ending=trajectory.ending,
+    )
     partial = partial_file(file)
     with partial.open("wb") as stream:
-        np.savez_compressed(
-            stream,
-            header=np.frombuffer(text, dtype=np.uint8),
-            time=trajectory.time,
-            columns=trajectory.columns[:, kept],
-            integral_times=trajectory.integral_times,
-            integrals=trajectory.integrals,
-            activities=trajectory.activities,
-        )
+        store = RunWriter(stream, header, len(kept), is_packed=True)
+        for times, rows in trajectory.signals.pieces():
+            store.signals.add(times, rows[:, kept])
+        for times, rows in trajectory.power_integrals.pieces():
+            store.integrals.add(times, rows)
+        store.finish(progress)
     partial.replace(file)
 
 
@@ -164,52 +202,29 @@ def _columns_of(observables: Iterable[Expr | Path | str], known: Container[Path]
 
 
 def load_trajectory(file: FileName, *, limits: Limits = LIMITS) -> StoredTrajectory:
-    """The run that a file holds.
+    """The run that a file holds, also one that is still being recorded, or whose process was killed.
 
     Raises:
         DocumentError: the file cannot be read, is no trajectory of this version, or goes beyond a limit.
     """
-    try:
-        with open_file(file) as stream:
-            check_size(os.fstat(stream.fileno()).st_size, limits.trajectory_bytes, "trajectory_bytes")
-            arrays = dict(read_arrays(stream, ("header", *_ARRAYS), limits.trajectory_bytes))
-        document = parse_json(arrays.pop("header").tobytes(), limits)
-        top = Place("", SharedEntries(limits))
-        return _stored(HEADER.read(opened(document, FORMAT, top), top), cast("Mapping[str, FloatArray]", arrays))
-    except ProperModelError as error:
-        raise of_file(error, file) from error
-
-
-def _stored(header: Header, arrays: Mapping[str, FloatArray]) -> StoredTrajectory:
-    times, marks = len(arrays["time"]), len(arrays["integral_times"])
-    width = 1 + max((column for _, _, column in header.columns), default=-1)
-    expected = {
-        "time": (times,),
-        "columns": (times, width),
-        "integral_times": (marks,),
-        "integrals": (marks, len(header.powers)),
-        "activities": (marks, len(header.powers)),
-    }
-    for name, shape in expected.items():
-        if arrays[name].shape != shape or arrays[name].dtype != np.float64:
-            raise malformed(name, f"expected an array of {shape} numbers, found one of {arrays[name].shape}")
+    run = read_run(file, limits)
+    header, progress = run.header, run.progress
     return StoredTrajectory(
         model=header.model,
         scenario=header.scenario,
         method=header.method,
         step=header.step,
         jacobian_every=header.jacobian_every,
-        time=arrays["time"],
         units={path: unit for path, unit, _ in header.columns},
-        integral_times=arrays["integral_times"],
-        ending=header.ending,
-        statistics=header.statistics,
-        events=header.events,
+        ending=run.ending,
+        statistics=progress.statistics,
+        events=progress.events,
         notes=header.notes,
-        outside_tables=header.outside_tables,
-        _columns=arrays["columns"],
+        outside_tables=progress.outside_tables,
+        signals=run.signals,
+        power_integrals=run.integrals,
         _entries={path: column for path, _, column in header.columns},
-        _integrals=arrays["integrals"],
-        _activities=arrays["activities"],
+        _width=run.signals.width,
         _powers={path: index for index, (kind, path) in enumerate(header.powers) if kind != "outside"},
+        _power_count=len(header.powers),
     )

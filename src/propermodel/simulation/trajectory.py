@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -13,9 +14,14 @@ from propermodel.bondgraph.pseudo import is_pseudo_port
 from propermodel.codegen.lower import Observable
 from propermodel.codegen.machine import FloatArray, Memory, Method
 from propermodel.compiler import CompiledModel
-from propermodel.diagnostics import Path, SimulationError, one_of, parse_path
+from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
+from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Scenario
+from propermodel.simulation.export import to_csv, to_pandas, to_xarray
+from propermodel.simulation.observables import observable_path
+from propermodel.simulation.overview import Overview, make_overview
+from propermodel.simulation.series import ArraySeries, Series
 
 NOWHERE = Path()
 
@@ -90,12 +96,9 @@ class Trajectory:
     method: Method
     step: float
     jacobian_every: int  # steps that an implicit method takes with one Jacobian
-    time: FloatArray
-    columns: FloatArray  # rows x recorded entries
+    signals: Series  # recorded entries over time
     recorded: Mapping[int, int]  # entry of the program's signals: column
-    integral_times: FloatArray
-    integrals: FloatArray
-    activities: FloatArray
+    power_integrals: Series  # of power and then of its absolute value, over `integral_times`
     start_signals: FloatArray
     final_signals: FloatArray
     memory: Memory
@@ -103,6 +106,31 @@ class Trajectory:
     statistics: Statistics
     events: tuple[EventRecord, ...] = ()  # since the origin of the run, in order
     notes: tuple[str, ...] = ()  # what must be said about the start
+
+    @property
+    def time(self) -> FloatArray:
+        """The instants of the recorded rows."""
+        return self.signals.times()
+
+    @property
+    def columns(self) -> FloatArray:
+        """All recorded rows; those of a run that was recorded to a file are all read."""
+        return self.signals.values()
+
+    @property
+    def integral_times(self) -> FloatArray:
+        """The instants at which integrals of power were kept."""
+        return self.power_integrals.times()
+
+    @property
+    def integrals(self) -> FloatArray:
+        """The integrals of power at these instants, one column for each power of the program, J."""
+        return self.power_integrals.values()[:, : len(self.compiled.lowered.powers)]
+
+    @property
+    def activities(self) -> FloatArray:
+        """The integrals of the absolute value of power, likewise."""
+        return self.power_integrals.values()[:, len(self.compiled.lowered.powers) :]
 
     def __getitem__(self, observable: Expr | Path | str) -> FloatArray:
         """A recorded column, by observable (`truck.body.flange.flow`), path or text.
@@ -115,17 +143,42 @@ class Trajectory:
             return self[path.parent / "effort"] * self[path.parent / "flow"]
         if path.name in ("activity", "work") and path not in self.compiled.lowered.observables:
             return self._cumulative(path)
-        return self.columns[:, self._column(path)]
+        return self.signals.column(self.column_of(path))
 
     def _cumulative(self, path: Path) -> FloatArray:
         """The integral of power (`work`) or of its absolute value (`activity`) of a bond or row since the start, J.
 
         Integrated at every step, kept at `integral_times`, linear in between.
         """
-        kept = self.activities if path.name == "activity" else self.integrals
-        return np.interp(self.time, self.integral_times, kept[:, self.power_index(path.parent)])
+        index = self.power_index(path.parent)
+        kept = self.kept_activity(path.parent) if path.name == "activity" else self.power_integrals.column(index)
+        return np.interp(self.time, self.integral_times, kept)
 
-    def _column(self, path: Path) -> int:
+    def kept_activity(self, entry: Path) -> FloatArray:
+        """The activity of a bond or row since the start, at `integral_times`, J."""
+        return self.power_integrals.column(len(self.compiled.lowered.powers) + self.power_index(entry))
+
+    def overview(
+        self, observable: Expr | Path | str, start: float = -math.inf, stop: float = math.inf, points: int = 2000
+    ) -> Overview:
+        """The least and greatest values of a recorded column in about so many intervals, to draw a long one by.
+
+        Raises:
+            SimulationError: the model has no such observable, or it was not recorded.
+        """
+        path = observable_path(observable)
+        if path.name in ("power", "activity", "work") and path not in self.compiled.lowered.observables:
+            made = ArraySeries(self.time, self[path][:, np.newaxis])
+            return make_overview(made, 0, 1, start, stop, points)
+        width = len(self.recorded)
+        return make_overview(self.signals, self.column_of(path), width, start, stop, points)
+
+    def column_of(self, path: Path) -> int:
+        """The column of `signals` that holds an observable.
+
+        Raises:
+            SimulationError: the model has no such observable, or it was not recorded.
+        """
         column = self.recorded.get(self._observable(path).index)
         if column is None:
             raise SimulationError.of(
@@ -195,25 +248,19 @@ class Trajectory:
     @property
     def outside_tables(self) -> tuple[TableUse, ...]:
         """The tables whose grid the run left, and for how long."""
-        return tuple(
-            TableUse(power.path, float(self.memory.activity[i]))
-            for i, power in enumerate(self.compiled.lowered.powers)
-            if power.kind == "outside" and self.memory.activity[i] > 0.0
-        )
+        return outside_tables(self.compiled, self.memory)
 
-    def to_pandas(self) -> Any:
-        """The recorded columns as a pandas DataFrame over time; needs the extra `data`."""
-        import pandas as pd
+    def to_pandas(self, only: Iterable[Expr | Path | str] | None = None) -> Any:
+        """Recorded columns, by default all, as a pandas DataFrame over time; needs the extra `data`."""
+        return to_pandas(self, only)
 
-        columns = {str(path): self[path] for path in self.paths}
-        return pd.DataFrame(columns, index=pd.Index(self.time, name="time_s"))
+    def to_xarray(self, only: Iterable[Expr | Path | str] | None = None) -> Any:
+        """Recorded columns, by default all, as an xarray Dataset over time, with units; needs the extra `data`."""
+        return to_xarray(self, only)
 
-    def to_xarray(self) -> Any:
-        """The recorded columns as an xarray Dataset over time, with units; needs the extra `data`."""
-        import xarray as xr
-
-        data = {str(path): ("time", self[path], {"units": self.unit(path)}) for path in self.paths}
-        return xr.Dataset(data, coords={"time": ("time", self.time, {"units": "s"})})
+    def to_csv(self, file: FileName, only: Iterable[Expr | Path | str] | None = None) -> None:
+        """Write recorded columns, by default all, over time as CSV, in SI."""
+        to_csv(self, file, only)
 
     @property
     def paths(self) -> tuple[Path, ...]:
@@ -231,13 +278,13 @@ class Trajectory:
         return "\n".join([head, *(f"  note: {note}" for note in self.notes)])
 
 
-def observable_path(observable: Expr | Path | str) -> Path:
-    """The path of an observable given as an expression of a component, a path or text."""
-    if isinstance(observable, Expr):
-        return observable.data.path
-    if isinstance(observable, Path):
-        return observable
-    return parse_path(observable)
+def outside_tables(compiled: CompiledModel, memory: Memory) -> tuple[TableUse, ...]:
+    """The tables whose grid a run has left until now, and for how long."""
+    return tuple(
+        TableUse(power.path, float(memory.activity[i]))
+        for i, power in enumerate(compiled.lowered.powers)
+        if power.kind == "outside" and memory.activity[i] > 0.0
+    )
 
 
 def interpolated(trajectory: Trajectory, path: Path, times: FloatArray) -> FloatArray:

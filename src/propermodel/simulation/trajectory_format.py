@@ -1,4 +1,4 @@
-"""The header of a saved trajectory: what a run was and how it went, with its model and scenario."""
+"""The texts in a saved trajectory: what is run, and how far it has come or how it ended."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from propermodel.codegen.machine import Method
+from propermodel.codegen.machine import IntArray, Method
+from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import DocumentError, Path
 from propermodel.modelling.documents import (
     from_document,
@@ -25,6 +26,7 @@ from propermodel.modelling.schema import (
     Place,
     choice,
     many,
+    optional,
     read_number,
     record,
     together,
@@ -34,22 +36,57 @@ from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus, St
 T = TypeVar("T")
 
 
+FORMAT = "propermodel-trajectory"
+VERSION = 2
+
+
 @dataclass(frozen=True, kw_only=True)
 class Header:
-    """All of a saved run but its arrays."""
+    """What is known of a run when it begins."""
 
     method: Method
     step: float
-    ending: Ending
-    statistics: Statistics
     columns: tuple[tuple[Path, str, int], ...]  # observable, unit, column
     powers: tuple[tuple[str, Path], ...]  # kind and path of each integral
     scenario: Scenario
     model: Model
     jacobian_every: int = 1
-    events: tuple[EventRecord, ...] = ()
     notes: tuple[str, ...] = ()
+
+
+def header_of(
+    compiled: CompiledModel,
+    scenario: Scenario,
+    selected: IntArray,
+    notes: tuple[str, ...],
+    method: Method,
+    step: float,
+    jacobian_every: int,
+) -> Header:
+    """The header of a run of which these entries of the program's signals are recorded, one in each column."""
+    place = {int(entry): column for column, entry in enumerate(selected)}
+    known = compiled.lowered.observables
+    return Header(
+        method=method,
+        step=step,
+        jacobian_every=jacobian_every,
+        notes=notes,
+        columns=tuple((path, seen.unit, place[seen.index]) for path, seen in known.items() if seen.index in place),
+        powers=tuple((power.kind, power.path) for power in compiled.lowered.powers),
+        scenario=scenario,
+        model=compiled.model,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredProgress:
+    """How far a run has come, with the events since this was last told; the last one tells how it ended."""
+
+    time: float
+    statistics: Statistics
+    events: tuple[EventRecord, ...] = ()
     outside_tables: tuple[TableUse, ...] = ()
+    ending: Ending | None = None
 
 
 def _inner(write: Callable[[T], Json], read: Callable[..., T]) -> Codec[T]:
@@ -79,13 +116,18 @@ HEADER = record(
     method=choice(Method),
     step=FINITE,
     jacobian_every=COUNT,
-    ending=record(Ending, status=choice(RunStatus), message=TEXT, time=_ANY_NUMBER, path=_NAMES),
-    statistics=record(Statistics, steps=COUNT, wall_s=FINITE, build_s=FINITE),
-    events=many(record(EventRecord, time=FINITE, element=_NAMES, energy_before=_ANY_NUMBER, energy_after=_ANY_NUMBER)),
     notes=many(TEXT),
-    outside_tables=many(record(TableUse, path=_NAMES, seconds=FINITE)),
     columns=many(together(_NAMES, TEXT, COUNT)),
     powers=many(together(TEXT, _NAMES)),
     scenario=_inner(to_scenario_document, from_scenario_document),
     model=_inner(to_document, from_document),
+)
+
+PROGRESS = record(
+    StoredProgress,
+    time=_ANY_NUMBER,
+    statistics=record(Statistics, steps=COUNT, wall_s=FINITE, build_s=FINITE),
+    events=many(record(EventRecord, time=FINITE, element=_NAMES, energy_before=_ANY_NUMBER, energy_after=_ANY_NUMBER)),
+    outside_tables=many(record(TableUse, path=_NAMES, seconds=FINITE)),
+    ending=optional(record(Ending, status=choice(RunStatus), message=TEXT, time=_ANY_NUMBER, path=_NAMES)),
 )
