@@ -14,6 +14,7 @@ from propermodel.cli.faults import Commands
 from propermodel.cli.linearise import linearise
 from propermodel.cli.reduce import reduce
 from propermodel.cli.run import run
+from propermodel.cli.sensitivities import sensitivities
 from propermodel.cli.show import show
 from propermodel.cli.version import print_version
 
@@ -40,6 +41,7 @@ app.command()(reduce)
 app.command()(run)
 app.command()(activity)
 app.command()(linearise)
+app.command()(sensitivities)
 app.command()(show)
 app.command()(check)
 app.command()(demo)
