@@ -25,6 +25,7 @@ from propermodel.causality.transformer_loops import TransformerLoop, locked_loop
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
+from propermodel.codegen.rosenbrock import with_step_of
 from propermodel.codegen.tangents import Direction, TangentProgram, with_tangents
 from propermodel.diagnostics import Diagnostic, ModelWarning
 from propermodel.equations.events import SystemEvent
@@ -37,19 +38,19 @@ from propermodel.modelling.model import Model
 
 @dataclass(frozen=True)
 class CompiledTangents:
-    """A program with tangents; machines for each integration method are made when first used."""
+    """A program with tangents for one integration method; machines are made when first used."""
 
     tangents: TangentProgram
+    method: Method
     backend: Backend
-    _machines: dict[tuple[Method, int], Machine] = field(default_factory=dict[tuple[Method, int], Machine], repr=False)
+    _machines: dict[int, Machine] = field(default_factory=dict[int, Machine], repr=False)
 
-    def machine(self, method: Method, lanes: int = 1) -> Machine:
-        """The native code for one integration method."""
-        key = (method, lanes)
-        if key not in self._machines:
+    def machine(self, lanes: int = 1) -> Machine:
+        """The native code."""
+        if lanes not in self._machines:
             with _collection_later():
-                self._machines[key] = build_machine(self.tangents.program, method, lanes, self.backend)
-        return self._machines[key]
+                self._machines[lanes] = build_machine(self.tangents.program, self.method, lanes, self.backend)
+        return self._machines[lanes]
 
 
 @dataclass(frozen=True)
@@ -106,18 +107,18 @@ class CompiledModel:
         return self._variants[event]
 
     def tangents(
-        self, directions: tuple[Direction, ...], signals: tuple[int, ...], powers: tuple[int, ...]
+        self, method: Method, directions: tuple[Direction, ...], signals: tuple[int, ...], powers: tuple[int, ...]
     ) -> CompiledTangents:
-        """The program with its tangents along directions, of chosen signals and powers.
+        """The program for a method with its tangents along directions, of chosen signals and powers.
 
         Raises:
             SimulationError: the derivatives pass an implicit block that is too large.
         """
-        key = (directions, signals, powers)
+        key = (method, directions, signals, powers)
         if key not in self._tangents:
             with _collection_later():
-                program = with_tangents(self.lowered.program, directions, signals, powers)
-            self._tangents[key] = CompiledTangents(program, self.backend)
+                program = with_tangents(with_step_of(self.lowered.program, method), directions, signals, powers)
+            self._tangents[key] = CompiledTangents(program, method, self.backend)
         return self._tangents[key]
 
     def __str__(self) -> str:

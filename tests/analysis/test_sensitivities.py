@@ -252,7 +252,6 @@ def test_an_equilibrium_moves_with_its_parameters():
     [
         ("bouncing_ball", {}, "has events, at which derivatives jump: ball"),
         ("cruise_control", {"parameters": ["controller.period"]}, "it sets the sample period of controller"),
-        ("quarter_car", {"method": pm.Method.ROS2}, "not carried along by the method ros2"),
         ("quarter_car", {"parameters": []}, "no parameter is given"),
         ("quarter_car", {"parameters": ["body.mas"]}, "the model has no parameter 'body.mas'"),
         ("quarter_car", {"outputs": ["body.flange.flw"]}, "the model has no observable 'body.flange.flw'"),

@@ -20,12 +20,14 @@ from propermodel.simulation.tangent_run import tangent_memory
 from tests.examples.runs import module, run_of
 
 
-def asked(name: str, *parameters: str) -> tuple[pm.CompiledModel, pm.Scenario, CompiledTangents, list[pm.Path]]:
+def asked(
+    name: str, method: pm.Method, *parameters: str
+) -> tuple[pm.CompiledModel, pm.Scenario, CompiledTangents, list[pm.Path]]:
     """An example with its tangents along some parameters."""
     compiled = run_of(name)[0].compiled
     paths = [pm.Path(parameter.split(".")) for parameter in parameters]
     directions = tuple(Direction(path, (compiled.graph.parameters[path].symbol,)) for path in paths)
-    prepared = compiled.tangents(directions, (0, 1), tuple(range(len(compiled.lowered.powers))))
+    prepared = compiled.tangents(method, directions, (0, 1), tuple(range(len(compiled.lowered.powers))))
     return compiled, module(name).scenario(), prepared, paths
 
 
@@ -46,13 +48,13 @@ def cases() -> list[tuple[str, tuple[str, ...]]]:
 
 
 @pytest.mark.parametrize(("name", "parameters"), cases())
-@pytest.mark.parametrize("method", [pm.Method.SEMI_IMPLICIT, pm.Method.RK4])
+@pytest.mark.parametrize("method", [pm.Method.SEMI_IMPLICIT, pm.Method.RK4, pm.Method.ROS2])
 def test_both_backends_carry_the_same_tangents(name: str, parameters: tuple[str, ...], method: pm.Method):
-    compiled, scenario, prepared, paths = asked(name, *parameters)
+    compiled, scenario, prepared, paths = asked(name, method, *parameters)
     step = run_of(name)[0].step
     ends: list[Memory] = []
     for backend in Backend:
-        machine = replace(prepared, backend=backend, _machines={}).machine(method)
+        machine = replace(prepared, backend=backend, _machines={}).machine()
         memory = memory_of(compiled, scenario, prepared.tangents, paths)
         machine.run(memory, Request(until=scenario.start + 30 * step, step=step))
         ends.append(memory)
@@ -63,26 +65,26 @@ def test_both_backends_carry_the_same_tangents(name: str, parameters: tuple[str,
 
 
 def test_a_lane_has_the_bits_it_has_alone():
-    compiled, scenario, prepared, paths = asked("quarter_car", "body.mass", "suspension.damper.damping")
+    compiled, scenario, prepared, paths = asked("quarter_car", pm.Method.RK4, "body.mass", "suspension.damper.damping")
     request = Request(until=0.2, step=1e-3)
     memories = [
         memory_of(compiled, replace(scenario, parameters={paths[0]: mass}), prepared.tangents, paths)
         for mass in (1000.0, 1200.0, 1400.0)
     ]
     together = joined(memories, 4)
-    prepared.machine(pm.Method.RK4, 4).run(together, request)
+    prepared.machine(4).run(together, request)
     for lane, memory in enumerate(memories):
-        prepared.machine(pm.Method.RK4).run(memory, request)
+        prepared.machine().run(memory, request)
         assert (lane_of(together, lane).state == memory.state).all()
         assert (lane_of(together, lane).integral == memory.integral).all()
     assert memories[0].state[prepared.tangents.state(1)].any()
 
 
 def test_what_is_integrated_is_the_derivative_of_the_power_and_of_its_size():
-    compiled, scenario, prepared, paths = asked("quarter_car", "body.mass")
+    compiled, scenario, prepared, paths = asked("quarter_car", pm.Method.EULER, "body.mass")
     tangents = prepared.tangents
     memory = memory_of(compiled, scenario, tangents, paths)
-    machine = prepared.machine(pm.Method.EULER)
+    machine = prepared.machine()
     machine.run(memory, Request(until=0.3, step=1e-3))
     power = machine.rates(memory)[1]
     own = power[: tangents.powers]
@@ -101,4 +103,4 @@ def test_a_large_block_is_refused_by_name(monkeypatch: pytest.MonkeyPatch):
     compiled = run_of("four_bar_linkage")[0].compiled
     path = compiled.lowered.parameters[0]
     with pytest.raises(SimulationError, match="sensitivities need the derivatives of"):
-        compiled.tangents((Direction(path, (compiled.graph.parameters[path].symbol,)),), (), ())
+        compiled.tangents(pm.Method.RK4, (Direction(path, (compiled.graph.parameters[path].symbol,)),), (), ())

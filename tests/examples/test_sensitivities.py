@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,6 +39,7 @@ EXAMPLES = (
     "two_equilibria",
     "wheatstone_bridge",
 )
+IMPLICIT = ("clutch", "cruise_control", "gas_spring", "planetary_gear", "slider_crank")
 STEPS = 400
 PARAMETERS = 4
 DISTANCE = 1e-7  # between runs, as a share of the parameter
@@ -45,6 +48,17 @@ NOISE = 1e-12  # of the runs, as a share of the largest value
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_sensitivities_are_the_limit_of_differences(name: str):
+    check(name, {"method": run_of(name)[0].method})
+
+
+@pytest.mark.parametrize("name", IMPLICIT)
+@pytest.mark.parametrize("jacobian_every", [1, 3])
+def test_those_of_implicit_steps_are_too(name: str, jacobian_every: int):
+    check(name, {"method": pm.Method.ROS2, "jacobian_every": jacobian_every})
+
+
+def check(name: str, options: Mapping[str, Any]) -> None:
+    """Compare the sensitivities of a short run with differences."""
     run, _ = run_of(name)
     compiled, outputs = run.compiled, module(name).OUTPUTS
     scenario = replace(run.scenario, stop=run.scenario.start + STEPS * run.step)
@@ -57,8 +71,8 @@ def test_sensitivities_are_the_limit_of_differences(name: str):
         scenario,
         parameters=parameters,
         outputs=outputs,
-        method=run.method,
         step=run.step,
+        **options,
         record_every=100 * run.step,
     )
     assert found.ending.is_complete
@@ -68,8 +82,8 @@ def test_sensitivities_are_the_limit_of_differences(name: str):
         runs = pm.simulate_many(
             compiled,
             pm.designs(scenario, {path: [value - distance, value, value + distance]}),
-            method=run.method,
             step=run.step,
+            **options,
             record=outputs,
             record_every=100 * run.step,
         )

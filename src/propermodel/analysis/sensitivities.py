@@ -23,6 +23,8 @@ from propermodel.simulation.table_store import TableStore
 from propermodel.simulation.tangent_run import Along, TangentRun, run_tangents, tangent_memory
 from propermodel.simulation.trajectory import Ending, Statistics, observable_path
 
+TICKS_AT_ONCE = 1000  # so that an interrupt (Ctrl-C) is heard
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sensitivities:
@@ -161,6 +163,7 @@ def sensitivities(
     outputs: Iterable[Name] = (),
     method: Method = Method.SEMI_IMPLICIT,
     step: float = 2e-4,
+    jacobian_every: int = 1,
     record_every: float = 0.1,
     start: Literal["declared", "equilibrium"] = "declared",
 ) -> Sensitivities:
@@ -174,8 +177,9 @@ def sensitivities(
         scenario: The scenario.
         parameters: With respect to which; parameters that the model computes from them follow.
         outputs: Observables, and `power`, `work` or `activity` of ports, bonds and groups.
-        method: How a step is taken, one of the explicit methods.
+        method: How a step is taken.
         step: Largest step, s.
+        jacobian_every: How many steps of an implicit method may share one Jacobian.
         record_every: Period of recording, s.
         start: Whether the run begins with the declared values or at the equilibrium near them.
 
@@ -185,10 +189,10 @@ def sensitivities(
     Raises:
         SimulationError: a name is unknown, the scenario does not fit, or the model has jumps that have no derivative.
     """
-    question = Question.asked(compiled, scenario, parameters, outputs, method, step, record_every)
+    question = Question.asked(compiled, scenario, parameters, outputs, step, record_every, jacobian_every)
     before = time.perf_counter()
-    prepared = compiled.tangents(question.directions, question.signals, question.powers)
-    machine = prepared.machine(method)
+    prepared = compiled.tangents(method, question.directions, question.signals, question.powers)
+    machine = prepared.machine()
     build_s = time.perf_counter() - before
     store = TableStore()
 
@@ -203,7 +207,13 @@ def sensitivities(
         prepared.tangents,
         machine,
         tangent_memory(prepared.tangents, begun.memory, rates),
-        Request(until=scenario.stop, step=step, row_period=record_every, most_ticks=1000),
+        Request(
+            until=scenario.stop,
+            step=step,
+            row_period=record_every,
+            most_ticks=TICKS_AT_ONCE,
+            jacobian_every=jacobian_every,
+        ),
         question.powers,
         question.kept,
     )

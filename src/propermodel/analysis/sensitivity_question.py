@@ -10,7 +10,6 @@ import numpy as np
 
 from propermodel.bondgraph.parameters import followers
 from propermodel.bondgraph.pseudo import is_pseudo, is_pseudo_port
-from propermodel.codegen.machine import Method
 from propermodel.codegen.tangents import Direction
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
@@ -21,7 +20,6 @@ from propermodel.simulation.tangent_run import Along, TangentRun
 from propermodel.simulation.trajectory import observable_path
 
 Name = Expr | Path | str
-EXPLICIT = (Method.EULER, Method.SEMI_IMPLICIT, Method.RK4)
 _MOST_NAMED = 6
 
 
@@ -67,9 +65,9 @@ class Question:
         scenario: Scenario,
         parameters: Iterable[Name],
         outputs: Iterable[Name],
-        method: Method,
         step: float,
         record_every: float,
+        jacobian_every: int,
     ) -> Question:
         """The question, checked.
 
@@ -78,8 +76,8 @@ class Question:
         """
         names = tuple(dict.fromkeys(map(observable_path, parameters)))
         faults = Faults(SimulationError)
-        faults.found.extend(faults_of_settings(scenario, step, record_every, record_every, 1))
-        faults.found.extend(_faults_of_model(compiled, method))
+        faults.found.extend(faults_of_settings(scenario, step, record_every, record_every, jacobian_every))
+        faults.found.extend(_faults_of_model(compiled))
         faults.found.extend(_faults_of_parameters(compiled, names))
         entries = _Entries(compiled)
         found: list[Output] = []
@@ -232,7 +230,7 @@ def _faults_of_parameters(compiled: CompiledModel, names: Sequence[Path]) -> Ite
                 )
 
 
-def _faults_of_model(compiled: CompiledModel, method: Method) -> Iterator[Diagnostic]:
+def _faults_of_model(compiled: CompiledModel) -> Iterator[Diagnostic]:
     if compiled.system.events:
         elements = list(dict.fromkeys(str(event.element) for event in compiled.system.events))
         more = f" and {len(elements) - _MOST_NAMED} more" if len(elements) > _MOST_NAMED else ""
@@ -241,10 +239,4 @@ def _faults_of_model(compiled: CompiledModel, method: Method) -> Iterator[Diagno
             f"the model has events, at which derivatives jump: {', '.join(elements[:_MOST_NAMED])}{more}",
             help="take differences of two runs with slightly different parameters, or a smoothed law in place of "
             "the event",
-        )
-    if method not in EXPLICIT:
-        yield Diagnostic(
-            "simulation/sensitivities",
-            f"sensitivities are not carried along by the method {method}",
-            help=f"use one of {', '.join(EXPLICIT)}",
         )

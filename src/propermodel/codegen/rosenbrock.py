@@ -67,13 +67,15 @@ TABLEAUS: Mapping[Method, Tableau] = {Method.ROS2: ROS2}
 
 
 def with_step_of(program: Program, method: Method) -> Program:
-    """The program with the step of a method, if that is linearly implicit; otherwise as it is.
+    """The program with the step of a method, if that is linearly implicit and not yet there; otherwise as it is.
 
     Raises:
         SimulationError: the derivatives pass an implicit block that is too large.
     """
     tableau = TABLEAUS.get(method)
-    return program if tableau is None else _Builder(program, tableau).program()
+    if tableau is None or program.implicit_step is not None:
+        return program
+    return _Builder(program, tableau).program()
 
 
 class _Builder:

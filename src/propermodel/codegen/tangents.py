@@ -3,9 +3,9 @@
 Every quantity gets a tangent for each direction, the derivative of its value along the run: states, whose tangents are
 states with the differentiated rates; what controllers hold; signals; powers. Unknowns of implicit blocks follow by the
 implicit function theorem. Steps, samples, corrections, rows and integrals of the loop then act on tangents as they do
-on what they belong to, so that an explicit method gives the exact derivative of its own steps (Griewank and Walther,
-Evaluating Derivatives, 2008, chapter 3). At kinks derivatives are one-sided; tables are linear within their cells;
-conditions and steps of discrete logic stay where they are.
+on what they belong to, so that a method gives the exact derivative of its own steps (Griewank and Walther, Evaluating
+Derivatives, 2008, chapter 3); an implicit step is differentiated with the elimination in it. At kinks derivatives are
+one-sided; tables are linear within their cells; conditions and steps of discrete logic stay where they are.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from propermodel.codegen.dense import solve_columns
-from propermodel.codegen.program import Array, Assign, Function, Layout, Program, Slot, Solve
+from propermodel.codegen.program import Array, Assign, Function, ImplicitStep, Layout, Program, Slot, Solve
 from propermodel.codegen.schedule import Order
 from propermodel.codegen.state_jacobian import MOST_UNKNOWNS, SymbolicArithmetic
 from propermodel.diagnostics import Path, SimulationError
@@ -22,6 +22,9 @@ from propermodel.expressions.core import ONE, ZERO, Expr, SymbolKind, is_zero, l
 from propermodel.expressions.derivatives import combine_tangents
 
 Tangents = tuple[Expr, ...]  # of one quantity, one for each direction
+
+# What is kept from one function to the next, with its tangents.
+_KEPT = (Array.STATE, Array.DISCRETE, Array.FACTOR, Array.STAGE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,13 +86,13 @@ class TangentProgram:
 def with_tangents(
     program: Program, directions: Sequence[Direction], signals: Sequence[int], powers: Sequence[int]
 ) -> TangentProgram:
-    """A program with its tangents along directions, with the chosen entries of SIGNAL and POWER.
+    """A program, with the implicit step of its method, and its tangents; with the chosen entries of SIGNAL and POWER.
 
     Raises:
         SimulationError: the derivatives pass an implicit block that is too large.
     """
-    if program.guards is not None or program.implicit_step is not None:
-        raise ValueError("only programs without events, and before their implicit step is made, have tangents")
+    if program.guards is not None:
+        raise ValueError("only programs without events have tangents")
     return _Builder(program, directions, signals, powers).program()
 
 
@@ -102,13 +105,13 @@ class _Builder:
         self._signals = {entry: place for place, entry in enumerate(signals)}
         self._powers = {entry: place for place, entry in enumerate(powers)}
         lengths = program.layout.lengths
-        self._lengths = {array: lengths.get(array, 0) for array in (Array.STATE, Array.DISCRETE, Array.PARAMETER)}
+        self._lengths = {array: lengths.get(array, 0) for array in (*_KEPT, Array.PARAMETER)}
         self._slots: dict[Expr, Slot] = {}
         self._seeds: list[Seed] = []
         self._leaves: dict[Expr, Tangents] = {}
         self._add_parameters()
         for leaf, slot in program.layout.slots.items():
-            if slot.array in (Array.STATE, Array.DISCRETE):
+            if slot.array in _KEPT:
                 self._leaves[leaf] = self._new(leaf, slot)
 
     def _add_parameters(self) -> None:
@@ -137,7 +140,7 @@ class _Builder:
         return tuple(found)
 
     def _beside(self, slot: Slot, direction: int) -> Slot:
-        """The slot of a tangent of what has a slot of STATE, RATE or DISCRETE."""
+        """The slot of a tangent of what is kept, or of a RATE."""
         array = Array.STATE if slot.array is Array.RATE else slot.array
         return Slot(slot.array, (direction + 1) * self._lengths[array] + slot.index)
 
@@ -146,6 +149,7 @@ class _Builder:
         program, count = self._program, len(self._directions)
         found = replace(
             program,
+            implicit_step=None if program.implicit_step is None else self._implicit(program.implicit_step),
             rates=self._function(program.rates),
             displacement_rates=self._function(program.displacement_rates),
             observe=self._function(program.observe),
@@ -164,6 +168,16 @@ class _Builder:
             powers=len(self._powers),
         )
 
+    def _implicit(self, step: ImplicitStep) -> ImplicitStep:
+        directions = range(len(self._directions))
+        return ImplicitStep(
+            first=self._function(step.first),
+            first_again=self._function(step.first_again),
+            later=tuple(map(self._function, step.later)),
+            shares=step.shares,
+            start=(*step.start, *(self._beside(slot, k) for k in directions for slot in step.start)),
+        )
+
     def _layout(self, layout: Layout, count: int) -> Layout:
         states = self._lengths[Array.STATE]
 
@@ -175,9 +189,8 @@ class _Builder:
             slots={**layout.slots, **self._slots},
             lengths={
                 **layout.lengths,
-                Array.STATE: (count + 1) * states,
+                **{array: (count + 1) * self._lengths[array] for array in _KEPT},
                 Array.RATE: (count + 1) * states,
-                Array.DISCRETE: (count + 1) * self._lengths[Array.DISCRETE],
                 Array.PARAMETER: self._lengths[Array.PARAMETER] + len(self._seeds),
                 Array.SIGNAL: (count + 1) * len(self._signals),
                 Array.POWER: (2 * count + 1) * len(self._powers),
@@ -220,6 +233,8 @@ class _Builder:
                 pairs = [pair for tangent in tangents for pair in (tangent, multiply(direction, tangent))]
                 values = (step.value, *pairs)
                 return [Assign(Slot(slot.array, k * size + place), value) for k, value in enumerate(values)]
+            case Array.WEAK:
+                return [step]
             case _:
                 return [step, *(Assign(self._beside(slot, k), value) for k, value in enumerate(tangents))]
 
