@@ -8,12 +8,14 @@ Each arrow is one function, each node one frozen type.
 from __future__ import annotations
 
 import gc
+import json
+import sys
 import time
 import warnings
 from collections.abc import Generator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 from propermodel.bondgraph.flatten import flatten
@@ -33,6 +35,8 @@ from propermodel.equations.formulate import formulate
 from propermodel.equations.impulsive import impulsive_sources
 from propermodel.equations.state_selection import select_states
 from propermodel.equations.system import EquationSystem
+from propermodel.modelling.documents import from_document, to_document
+from propermodel.modelling.limits import Limits
 from propermodel.modelling.model import Model
 
 
@@ -121,6 +125,14 @@ class CompiledModel:
             self._tangents[key] = CompiledTangents(program, method, self.backend)
         return self._tangents[key]
 
+    @cached_property
+    def _document(self) -> str:
+        return json.dumps(to_document(self.model))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process gets the document of the model, and compiles it once however often it gets it."""
+        return _compiled_there, (self._document, self.backend, len(self.system.events))
+
     def __str__(self) -> str:
         return str(self.system)
 
@@ -152,6 +164,20 @@ def compile_quietly(model: Model, *, backend: Backend = Backend.NATIVE) -> Compi
         system = formulate(causal)
         lowered = lower(system)
     return CompiledModel(model, system, lowered, backend, time.perf_counter() - begin)
+
+
+@lru_cache(maxsize=4)
+def _compiled_there(document: str, backend: Backend, events: int) -> CompiledModel:
+    """The compiled model of a document from another process of the same user.
+
+    Raises:
+        ValueError: it had more events than its model, those of `CompiledModel.with_event`.
+    """
+    own = Limits(**{limit.name: sys.maxsize for limit in fields(Limits)})
+    compiled = compile_quietly(from_document(json.loads(document), limits=own), backend=backend)
+    if len(compiled.system.events) != events:
+        raise ValueError(f"{compiled.model.name} with an event that its model does not have stays in its process")
+    return compiled
 
 
 @contextmanager

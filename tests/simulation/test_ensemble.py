@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+import multiprocessing
+import pickle
 import threading
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import propermodel as pm
+from propermodel.codegen.fingerprint import fingerprint
 from propermodel.diagnostics import SimulationError
 from propermodel.library.mechanics.translation import Damper, Fixed, Impact, Mass, Spring, VelocitySource, Weight
 
@@ -77,6 +82,53 @@ def test_lanes_threads_and_order_change_nothing(oscillator: pm.CompiledModel, la
     assert (runs.final == reference.final[order]).all()
     assert (runs.activities == reference.activities[order]).all()
     assert runs.scenarios == tuple(shuffled)
+
+
+@pytest.fixture(scope="module")
+def process() -> Iterator[Executor]:
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
+        yield executor
+
+
+def test_other_processes_give_the_same_bits(oscillator: pm.CompiledModel, process: Executor):
+    # The third design leaves its limits.
+    scenarios = pm.designs(SCENARIO, {"spring.stiffness": [20.0, 50.0, 1e9, 60.0, 70.0]})
+
+    def runs(executor: Executor | None) -> pm.Ensemble:
+        return pm.simulate_many(oscillator, scenarios, step=1e-3, record_every=0.5, lanes=2, executor=executor)
+
+    here = runs(None)
+    with ThreadPoolExecutor(1) as thread:
+        for executor in (process, thread):
+            there = runs(executor)
+            assert there.endings == here.endings
+            assert there.failed == (2,)
+            for name in ("time", "rows", "final", "integrals", "activities"):
+                np.testing.assert_array_equal(getattr(there, name), getattr(here, name))
+
+
+def test_models_with_events_run_in_other_processes(process: Executor):
+    compiled = pm.compile_model(pm.elaborate(Bouncing()))
+    scenarios = [pm.Scenario(stop=1.0, initial={"floor.separation.width": gap}) for gap in (1.0, 0.5)]
+    here, there = (
+        pm.simulate_many(compiled, scenarios, step=1e-3, record_every=0.25, executor=executor)
+        for executor in (None, process)
+    )
+    np.testing.assert_array_equal(there.rows, here.rows)
+    np.testing.assert_array_equal(there.activities, here.activities)
+
+
+def test_a_pickled_model_is_compiled_once_and_is_the_same(oscillator: pm.CompiledModel):
+    first, second = (pickle.loads(pickle.dumps(oscillator)) for _ in range(2))
+    assert first is second
+    assert first.model == oscillator.model
+    assert fingerprint(first.lowered.program) == fingerprint(oscillator.lowered.program)
+
+
+def test_a_model_with_a_condition_of_a_run_stays_in_its_process():
+    compiled = pm.compile_model(pm.elaborate(Bouncing()))
+    with pytest.raises(ValueError, match="bouncing with an event that its model does not have stays in its process"):
+        pickle.loads(pickle.dumps(compiled.with_event(compiled.system.events[0])))
 
 
 def test_designs_follow_the_closed_form(oscillator: pm.CompiledModel):

@@ -1,15 +1,16 @@
 """Many runs of one compiled model: designs side by side in the lanes of a vector register, groups of them in threads.
 
 The machine code is the same for all designs; parameters, initial values and tables are its arguments. A design that
-fails leaves the others alone. With a fixed step a design has the same bits alone, in any lane and on any thread.
+fails leaves the others alone. With a fixed step a design has the same bits alone, in any lane, thread and process.
 """
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,30 +18,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propermodel.codegen.build import best_lanes
-from propermodel.codegen.machine import (
-    SAME_INSTANT,
-    FloatArray,
-    IntArray,
-    Method,
-    Request,
-    TableData,
-    instant,
-    sample_periods,
-)
+from propermodel.codegen.machine import FloatArray, Method
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Faults, Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.finite import faults_of_settings
+from propermodel.simulation.groups import NO_ROWS, Settings, groups
 from propermodel.simulation.observables import observable_path
-from propermodel.simulation.side_by_side import LaneResults, run_together
-from propermodel.simulation.simulate import selected_entries, simulate
-from propermodel.simulation.start import Start, start_of
-from propermodel.simulation.table_store import TableStore
+from propermodel.simulation.side_by_side import LaneResults
+from propermodel.simulation.simulate import selected_entries
 from propermodel.simulation.trajectory import Ending, Statistics
-
-NO_ROWS = float("inf")
-MOST_ROWS_AT_ONCE = 1024
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -206,6 +194,7 @@ def simulate_many(
     record_every: float = NO_ROWS,
     lanes: int | None = None,
     threads: int | None = None,
+    executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Ensemble:
     """Run a model once for each scenario, with a fixed step; nothing is compiled between them.
@@ -223,6 +212,8 @@ def simulate_many(
         record_every: Period of recording, s; by default only the values at the end are kept.
         lanes: How many designs run side by side; by default as many as a vector register of this machine holds.
         threads: How many groups run at once; by default one for each core.
+        executor: Where groups run instead of in threads of this call, such as a `ProcessPoolExecutor`; `threads` then
+            says how many workers it has. Each process compiles the model once, from its document.
         progress: Called with the number of designs that are done and of all.
 
     Returns:
@@ -253,17 +244,19 @@ def simulate_many(
     # Machines are made before threads ask for them.
     compiled.machine(method, 1 if len(every) == 1 else wide)
     build_s = time.perf_counter() - before
-    job = _Job(compiled, method, step, jacobian_every, record_every, selected, wide)
+    settings = Settings(compiled, method, step, jacobian_every, record_every, selected, wide)
     before = time.perf_counter()
     answers = _Answers(len(every))
     workers = threads or os.cpu_count() or 1
-    with ThreadPoolExecutor(workers) as pool:
+    with ExitStack() as stack:
+        pool = executor or stack.enter_context(ThreadPoolExecutor(workers))
         waiting: dict[Future[LaneResults], tuple[int, ...]] = {}
-        for numbers, starts in _groups(compiled, every, wide):
+        stack.callback(_cancel, waiting)
+        for group in groups(compiled, every, wide):
             # Few groups wait at a time, so that memory does not grow with the number of designs.
             while len(waiting) >= 2 * workers:
                 answers.take(waiting, progress)
-            waiting[pool.submit(job.run, [every[i] for i in numbers], starts)] = numbers
+            waiting[pool.submit(group.job(settings))] = group.numbers
         while waiting:
             answers.take(waiting, progress)
     wall_s = time.perf_counter() - before
@@ -279,91 +272,10 @@ def simulate_many(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Job:
-    """What all groups have in common."""
-
-    compiled: CompiledModel
-    method: Method
-    step: float
-    jacobian_every: int
-    record_every: float
-    selected: IntArray
-    lanes: int
-
-    def run(self, scenarios: Sequence[Scenario], starts: Sequence[Start]) -> LaneResults:
-        """Run one group."""
-        if self.compiled.system.events:
-            return self._with_events(scenarios[0], starts[0])
-        machine = self.compiled.machine(self.method, self.lanes if len(scenarios) > 1 else 1)
-        request = Request(
-            until=scenarios[0].stop,
-            step=self.step,
-            row_period=self.record_every,
-            selected=self.selected,
-            most_rows=MOST_ROWS_AT_ONCE,
-            jacobian_every=self.jacobian_every,
-        )
-        return run_together(self.compiled, machine, [start.memory for start in starts], request)
-
-    def _with_events(self, scenario: Scenario, start: Start) -> LaneResults:
-        """One design whose events happen at instants of its own; only its regular rows are kept."""
-        known = self.compiled.lowered.observables
-        entries = set(self.selected.tolist())
-        run = simulate(
-            self.compiled,
-            scenario,
-            method=self.method,
-            step=self.step,
-            jacobian_every=self.jacobian_every,
-            record=[path for path, observable in known.items() if observable.index in entries],
-            record_every=min(self.record_every, scenario.stop - scenario.start),
-            integrals_every=scenario.stop - scenario.start,
-            start=start,
-        )
-        time: FloatArray = np.zeros(0)
-        rows: FloatArray = np.zeros((0, self.selected.size))
-        if self.record_every < NO_ROWS:
-            count = int((scenario.stop - scenario.start) / self.record_every + SAME_INSTANT) + 1
-            time = np.array([instant(scenario.start, k, self.record_every) for k in range(count)])
-            # The row after an event stands last among those of one instant.
-            last = np.searchsorted(run.time, time + SAME_INSTANT * self.step, side="right") - 1
-            order = [run.recorded[int(entry)] for entry in self.selected]
-            rows = np.where((time <= run.ending.time)[:, np.newaxis], run.columns[last][:, order], np.nan)
-        end = np.nan if not run.ending.is_complete else 0.0
-        return LaneResults(
-            time=time,
-            rows=rows[np.newaxis],
-            final=run.final_signals[np.newaxis, self.selected] + end,
-            integrals=run.memory.integral[np.newaxis] + end,
-            activities=run.memory.activity[np.newaxis] + end,
-            endings=(run.ending,),
-            steps=run.statistics.steps,
-        )
-
-
-def _groups(
-    compiled: CompiledModel, scenarios: Sequence[Scenario], lanes: int
-) -> Iterator[tuple[tuple[int, ...], list[Start]]]:
-    """Designs that can run side by side, with their starts; as few at a time as fill the lanes."""
-    store = TableStore()
-    waiting: dict[tuple[Any, ...], tuple[list[int], list[Start]]] = {}
-    shared: dict[tuple[Any, ...], tuple[TableData, ...]] = {}
-    for number, scenario in enumerate(scenarios):
-        start = start_of(compiled, scenario, store)
-        tables = tuple(map(id, start.memory.tables))
-        periods = tuple(sample_periods(compiled.lowered.program, start.memory))
-        # Machines prepare tables once for every tuple of them.
-        start.memory.tables = shared.setdefault(tables, start.memory.tables)
-        key = (scenario.start, scenario.stop, tables, periods)
-        numbers, starts = waiting.setdefault(key, ([], []))
-        numbers.append(number)
-        starts.append(start)
-        if len(numbers) == lanes:
-            del waiting[key]
-            yield tuple(numbers), starts
-    for numbers, starts in waiting.values():
-        yield tuple(numbers), starts
+def _cancel(waiting: Mapping[Future[LaneResults], object]) -> None:
+    """Give up what has not begun, after an error."""
+    for future in waiting:
+        future.cancel()
 
 
 class _Answers:

@@ -1,0 +1,151 @@
+"""Designs of an ensemble in groups that run side by side, wherever that may be.
+
+A group is sent to a thread or to another process: it holds plain data, and the compiled model goes as its document.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from propermodel.codegen.machine import (
+    SAME_INSTANT,
+    FloatArray,
+    IntArray,
+    Memory,
+    Method,
+    Request,
+    TableData,
+    instant,
+    sample_periods,
+)
+from propermodel.compiler import CompiledModel
+from propermodel.modelling.model import Scenario
+from propermodel.simulation.side_by_side import LaneResults, run_together
+from propermodel.simulation.simulate import simulate
+from propermodel.simulation.start import Start, start_of
+from propermodel.simulation.table_store import TableStore
+
+NO_ROWS = float("inf")
+MOST_ROWS_AT_ONCE = 1024
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Designs that start and stop together and share their tables."""
+
+    numbers: tuple[int, ...]
+    scenarios: tuple[Scenario, ...]
+    starts: tuple[Start, ...]
+
+    def job(self, settings: Settings) -> LaneJob | EventJob:
+        """What is to be run."""
+        if settings.compiled.system.events:
+            return EventJob(settings, self.scenarios[0], self.starts[0])
+        # The scenario itself stays here: its tables, which may be large, are in the memories.
+        return LaneJob(settings, self.scenarios[0].stop, tuple(start.memory for start in self.starts))
+
+
+@dataclass(frozen=True, eq=False)
+class Settings:
+    """What all groups have in common."""
+
+    compiled: CompiledModel
+    method: Method
+    step: float
+    jacobian_every: int
+    record_every: float
+    selected: IntArray
+    lanes: int
+
+
+@dataclass(frozen=True, eq=False)
+class LaneJob:
+    """Runs in the lanes of one machine."""
+
+    settings: Settings
+    stop: float
+    memories: tuple[Memory, ...]
+
+    def __call__(self) -> LaneResults:
+        """Run them."""
+        settings = self.settings
+        machine = settings.compiled.machine(settings.method, settings.lanes if len(self.memories) > 1 else 1)
+        request = Request(
+            until=self.stop,
+            step=settings.step,
+            row_period=settings.record_every,
+            selected=settings.selected,
+            most_rows=MOST_ROWS_AT_ONCE,
+            jacobian_every=settings.jacobian_every,
+        )
+        return run_together(settings.compiled, machine, self.memories, request)
+
+
+@dataclass(frozen=True, eq=False)
+class EventJob:
+    """One design whose events happen at instants of its own; only its regular rows are kept."""
+
+    settings: Settings
+    scenario: Scenario
+    start: Start
+
+    def __call__(self) -> LaneResults:
+        """Run it."""
+        settings, scenario = self.settings, self.scenario
+        known = settings.compiled.lowered.observables
+        entries = set(settings.selected.tolist())
+        run = simulate(
+            settings.compiled,
+            scenario,
+            method=settings.method,
+            step=settings.step,
+            jacobian_every=settings.jacobian_every,
+            record=[path for path, observable in known.items() if observable.index in entries],
+            record_every=min(settings.record_every, scenario.stop - scenario.start),
+            integrals_every=scenario.stop - scenario.start,
+            start=self.start,
+        )
+        time: FloatArray = np.zeros(0)
+        rows: FloatArray = np.zeros((0, settings.selected.size))
+        if settings.record_every < NO_ROWS:
+            count = int((scenario.stop - scenario.start) / settings.record_every + SAME_INSTANT) + 1
+            time = np.array([instant(scenario.start, k, settings.record_every) for k in range(count)])
+            # The row after an event stands last among those of one instant.
+            last = np.searchsorted(run.time, time + SAME_INSTANT * settings.step, side="right") - 1
+            order = [run.recorded[int(entry)] for entry in settings.selected]
+            rows = np.where((time <= run.ending.time)[:, np.newaxis], run.columns[last][:, order], np.nan)
+        end = np.nan if not run.ending.is_complete else 0.0
+        return LaneResults(
+            time=time,
+            rows=rows[np.newaxis],
+            final=run.final_signals[np.newaxis, settings.selected] + end,
+            integrals=run.memory.integral[np.newaxis] + end,
+            activities=run.memory.activity[np.newaxis] + end,
+            endings=(run.ending,),
+            steps=run.statistics.steps,
+        )
+
+
+def groups(compiled: CompiledModel, scenarios: Sequence[Scenario], lanes: int) -> Iterator[Group]:
+    """Designs that can run side by side, with their starts; as few at a time as fill the lanes."""
+    store = TableStore()
+    waiting: dict[tuple[Any, ...], list[tuple[int, Scenario, Start]]] = {}
+    shared: dict[tuple[Any, ...], tuple[TableData, ...]] = {}
+    for number, scenario in enumerate(scenarios):
+        start = start_of(compiled, scenario, store)
+        tables = tuple(map(id, start.memory.tables))
+        periods = tuple(sample_periods(compiled.lowered.program, start.memory))
+        # Machines prepare tables once for every tuple of them.
+        start.memory.tables = shared.setdefault(tables, start.memory.tables)
+        key = (scenario.start, scenario.stop, tables, periods)
+        members = waiting.setdefault(key, [])
+        members.append((number, scenario, start))
+        if len(members) == lanes:
+            del waiting[key]
+            yield Group(*zip(*members, strict=True))
+    for members in waiting.values():
+        yield Group(*zip(*members, strict=True))
