@@ -220,6 +220,71 @@ def test_a_run_that_fails_says_which_derivative_is_none():
     assert str(found).endswith(found.ending.message)
 
 
+def test_a_bounce_moves_and_turns_the_derivatives():
+    run, _ = run_of("bouncing_ball")
+    parameters = ["sensor.start", "ball.restitution", "weight.gravity"]
+    found = pm.sensitivities(
+        run.compiled,
+        replace(run.scenario, stop=1.0),
+        parameters=parameters,
+        outputs=["sensor.position", "ball.flange.flow", "ball.flange.work"],
+        method=pm.Method.RK4,
+        step=0.01,
+        record_every=0.05,
+    )
+    (_, share, gravity), height = found.parameter_values, 1.0
+    hit, speed = math.sqrt(2.0 * height / gravity), math.sqrt(2.0 * height * gravity)
+    after = found.time > hit
+    time = found.time[after] - hit
+    flow = share * speed - gravity * time
+    assert found.values("ball.flange.flow")[after] == pytest.approx(flow, rel=1e-9)
+    close = {"rel": 1e-8, "abs": 1e-10}
+    by_share = speed * time
+    by_height = share * gravity / speed * time - flow / speed
+    assert found["sensor.position", "ball.restitution"][after] == pytest.approx(by_share, **close)
+    assert found["sensor.position", "sensor.start"][after] == pytest.approx(by_height, **close)
+    rate = share * height / speed - hit / 2.0 - time
+    assert found["ball.flange.flow", "weight.gravity"][after] == pytest.approx(rate, **close)
+    # What weight and floor have done is what the ball has: its energy now less what the bounce took.
+    lost = 0.5 * 0.2 * speed**2 * (1.0 - share**2)
+    energy = 0.5 * 0.2 * found.values("ball.flange.flow")[-1] ** 2
+    assert found.value_at_end("ball.flange.work") == pytest.approx(energy + lost, rel=1e-6)
+    slope = 0.2 * flow[-1] * speed - 0.2 * speed**2 * share
+    assert found.at_end("ball.flange.work", "ball.restitution") == pytest.approx(slope, rel=1e-6)
+
+
+class Late(pm.SignalBlock):
+    """Notices a signal that jumps over a level."""
+
+    level: pm.Parameter = pm.parameter("1", default=0.5)
+    noticed = pm.Output("1")
+    held = pm.Discrete("1")
+
+    def outputs(self):
+        return {self.noticed: self.held}
+
+    def events(self):
+        signal = pm.where(pm.time > pm.quantity(0.05, "s"), 1.0, 0.0)
+        return (pm.when(signal > self.level, {self.held: 1.0}),)
+
+
+class Noticing(pm.Component):
+    """A mass that is pushed, and a block that notices something else."""
+
+    mass = Mass(mass=1.0, start_velocity=1.0)
+    late = Late()
+    damper = Damper(damping=1.0)
+    wall = Fixed()
+    connections = (pm.connect(mass.flange, damper.a), pm.connect(damper.b, wall.flange))
+
+
+def test_the_instant_of_a_jump_over_a_level_has_no_derivative():
+    compiled = pm.compile_model(pm.elaborate(Noticing()))
+    found = pm.sensitivities(compiled, pm.Scenario(stop=0.1), parameters=["late.level"], step=1e-3)
+    assert found.ending.status.value == "failed"
+    assert "at an event: the instant at which late acts has no derivative" in found.ending.message
+
+
 class Hanging(pm.Component):
     """A mass that hangs on a spring."""
 
@@ -250,7 +315,7 @@ def test_an_equilibrium_moves_with_its_parameters():
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("bouncing_ball", {}, "has events, at which derivatives jump: ball"),
+        ("buck_converter", {}, "has ideal switches, which change its equations: switch, diode"),
         ("cruise_control", {"parameters": ["controller.period"]}, "it sets the sample period of controller"),
         ("quarter_car", {"parameters": []}, "no parameter is given"),
         ("quarter_car", {"parameters": ["body.mas"]}, "the model has no parameter 'body.mas'"),

@@ -92,14 +92,14 @@ def test_what_is_integrated_is_the_derivative_of_the_power_and_of_its_size():
     assert len(power) == tangents.program.layout.lengths[Array.POWER] == 3 * len(compiled.lowered.powers)
 
 
-def test_programs_with_events_have_no_tangents():
-    program = run_of("bouncing_ball")[0].compiled.lowered.program
-    with pytest.raises(ValueError, match="without events"):
+def test_programs_with_ideal_switches_have_no_tangents():
+    program = run_of("buck_converter")[0].compiled.lowered.program
+    with pytest.raises(ValueError, match="ideal switches"):
         with_tangents(program, [], [], [])
 
 
 def test_a_large_block_is_refused_by_name(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("propermodel.codegen.tangents.MOST_UNKNOWNS", 1)
+    monkeypatch.setattr("propermodel.codegen.tangent_rules.MOST_UNKNOWNS", 1)
     compiled = run_of("four_bar_linkage")[0].compiled
     path = compiled.lowered.parameters[0]
     with pytest.raises(SimulationError, match="sensitivities need the derivatives of"):

@@ -41,8 +41,7 @@ from propermodel import (
     run_study,
     simulate,
 )
-from propermodel.library.electrical import CoupledInductors, Ground, Resistor
-from propermodel.library.mechanics.translation import Impact
+from propermodel.library.electrical import ConstantVoltage, CoupledInductors, Ground, IdealDiode, Resistor
 from propermodel.modelling.model import Variable
 from tests.faults.case import Case
 from tests.parts import Fixed, Mass, SpringDamper
@@ -129,17 +128,23 @@ def large_block() -> object:
     return simulate(compile_model(elaborate(Ladder())), Scenario(stop=0.1), method=pm.Method.ROS2)
 
 
-class Falling(Component):
-    """A ball that falls on the floor."""
+class Rectified(Component):
+    """A resistor behind an ideal diode."""
 
-    ball = Mass(mass=1.0)
-    floor = Impact()
-    ground = Fixed()
-    connections = (connect(ground.flange, floor.a), connect(floor.b, ball.flange))
+    source = ConstantVoltage(voltage=1.0)
+    switch = IdealDiode()
+    load = Resistor(resistance=1.0)
+    ground = Ground()
+    connections = (
+        connect(source.p, switch.a),
+        connect(switch.b, load.a),
+        connect(source.n, load.b, ground.pin),
+    )
 
 
-def sensitivities_of_events() -> object:
-    return pm.sensitivities(compile_model(elaborate(Falling())), Scenario(stop=0.1), parameters=["ball.mass"])
+def sensitivities_with_switches() -> object:
+    compiled = compile_model(elaborate(Rectified()))
+    return pm.sensitivities(compiled, Scenario(stop=0.1), parameters=["load.resistance"])
 
 
 class Squared(SignalBlock):
@@ -440,8 +445,8 @@ CASES = (
     ),
     Case(
         code="simulation/sensitivities",
-        run=sensitivities_of_events,
-        names=("events", "floor.contact"),
+        run=sensitivities_with_switches,
+        names=("ideal switches", "switch"),
         cure="differences of two runs",
     ),
     Case(code="reduction/threshold", run=lambda: planned(threshold=99.0), names=("99",), cure="0.99"),

@@ -215,6 +215,7 @@ def sensitivities(
             jacobian_every=jacobian_every,
         ),
         question.powers,
+        question.signals,
         question.kept,
     )
     wall_s = time.perf_counter() - before

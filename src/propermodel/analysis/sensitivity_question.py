@@ -84,6 +84,7 @@ class Question:
         for path in dict.fromkeys(map(observable_path, outputs)):
             with faults.collecting():
                 found.append(entries.output(path))
+        entries.add_energies()
         rows = _ranked_rows(compiled)
         row_places = tuple(entries.power(entry) for entry in rows.values())
         faults.raise_if_any()
@@ -163,6 +164,12 @@ class _Entries:
             help=one_of(str(path), map(str, (*known, *(entry / "activity" for entry in self._power_entries)))),
         )
 
+    def add_energies(self) -> None:
+        """What the records of events need."""
+        if self._compiled.system.events:
+            for stored in self._compiled.system.energies:
+                self._signal(stored.element / "energy")
+
     def _signal(self, path: Path) -> int:
         known = self._compiled.lowered.observables
         if path not in known:
@@ -231,12 +238,12 @@ def _faults_of_parameters(compiled: CompiledModel, names: Sequence[Path]) -> Ite
 
 
 def _faults_of_model(compiled: CompiledModel) -> Iterator[Diagnostic]:
-    if compiled.system.events:
-        elements = list(dict.fromkeys(str(event.element) for event in compiled.system.events))
-        more = f" and {len(elements) - _MOST_NAMED} more" if len(elements) > _MOST_NAMED else ""
+    if compiled.system.switching:
+        names = list(dict.fromkeys(str(path) for switching in compiled.system.switching for path in switching.paths))
+        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         yield Diagnostic(
             "simulation/sensitivities",
-            f"the model has events, at which derivatives jump: {', '.join(elements[:_MOST_NAMED])}{more}",
-            help="take differences of two runs with slightly different parameters, or a smoothed law in place of "
-            "the event",
+            f"the model has ideal switches, which change its equations: {', '.join(names[:_MOST_NAMED])}{more}",
+            help="take differences of two runs with slightly different parameters, or switches with a resistance that "
+            "is small or large",
         )

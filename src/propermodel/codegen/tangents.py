@@ -10,18 +10,14 @@ one-sided; tables are linear within their cells; conditions and steps of discret
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from propermodel.codegen.dense import solve_columns
 from propermodel.codegen.program import Array, Assign, Function, ImplicitStep, Layout, Program, Slot, Solve
-from propermodel.codegen.schedule import Order
-from propermodel.codegen.state_jacobian import MOST_UNKNOWNS, SymbolicArithmetic
-from propermodel.diagnostics import Path, SimulationError
-from propermodel.expressions.core import ONE, ZERO, Expr, SymbolKind, is_zero, leaves, multiply, sign, symbol
-from propermodel.expressions.derivatives import combine_tangents
-
-Tangents = tuple[Expr, ...]  # of one quantity, one for each direction
+from propermodel.codegen.schedule import number_solves
+from propermodel.codegen.tangent_rules import TangentRules, Tangents, needed_solves
+from propermodel.diagnostics import Path
+from propermodel.expressions.core import ONE, TIME, ZERO, Expr, SymbolKind, multiply, sign, symbol
 
 # What is kept from one function to the next, with its tangents.
 _KEPT = (Array.STATE, Array.DISCRETE, Array.FACTOR, Array.STAGE)
@@ -50,7 +46,8 @@ class TangentProgram:
     """A program that also computes tangents. First stands what it computes itself, then its tangents, by direction.
 
     Of SIGNAL and POWER it has the chosen entries only. Each chosen power has two tangents that are integrated: its
-    derivative, and this times the sign of the power, which is the derivative of its absolute value.
+    derivative, and this times the sign of the power, which is the derivative of its absolute value. JUMP has the
+    tangents of jumps along the directions and with time alone, then those of guards along the directions and in time.
     """
 
     program: Program
@@ -61,6 +58,8 @@ class TangentProgram:
     parameters: int
     signals: int
     powers: int
+    guards: int
+    jumps: int
 
     def state(self, direction: int) -> slice:
         """Where the tangents of STATE along a direction are."""
@@ -82,6 +81,15 @@ class TangentProgram:
         """Where the tangents of the absolute values of the chosen entries of POWER along a direction are."""
         return slice((2 * direction + 2) * self.powers, (2 * direction + 3) * self.powers)
 
+    def jump(self, direction: int) -> slice:
+        """Where the tangents of JUMP along a direction are; those with time alone follow those of the directions."""
+        return slice((direction + 1) * self.jumps, (direction + 2) * self.jumps)
+
+    def guard(self, direction: int) -> slice:
+        """Where, in JUMP, the tangents of GUARD along a direction are; their rates in time follow the directions."""
+        first = (len(self.directions) + 2) * self.jumps
+        return slice(first + direction * self.guards, first + (direction + 1) * self.guards)
+
 
 def with_tangents(
     program: Program, directions: Sequence[Direction], signals: Sequence[int], powers: Sequence[int]
@@ -91,8 +99,8 @@ def with_tangents(
     Raises:
         SimulationError: the derivatives pass an implicit block that is too large.
     """
-    if program.guards is not None:
-        raise ValueError("only programs without events have tangents")
+    if program.switching is not None:
+        raise ValueError("programs with ideal switches have no tangents")
     return _Builder(program, directions, signals, powers).program()
 
 
@@ -105,7 +113,8 @@ class _Builder:
         self._signals = {entry: place for place, entry in enumerate(signals)}
         self._powers = {entry: place for place, entry in enumerate(powers)}
         lengths = program.layout.lengths
-        self._lengths = {array: lengths.get(array, 0) for array in (*_KEPT, Array.PARAMETER)}
+        counted = (*_KEPT, Array.PARAMETER, Array.GUARD, Array.JUMP)
+        self._lengths = {array: lengths.get(array, 0) for array in counted}
         self._slots: dict[Expr, Slot] = {}
         self._seeds: list[Seed] = []
         self._leaves: dict[Expr, Tangents] = {}
@@ -152,10 +161,11 @@ class _Builder:
             implicit_step=None if program.implicit_step is None else self._implicit(program.implicit_step),
             rates=self._function(program.rates),
             displacement_rates=self._function(program.displacement_rates),
-            observe=self._function(program.observe),
+            observe=self._function(program.observe, is_whole=False),
             samples=tuple(map(self._function, program.samples)),
             corrections=tuple(map(self._function, program.corrections)),
             layout=self._layout(program.layout, count),
+            jumps=None if program.jumps is None else self._jumps(program.jumps),
         )
         return TangentProgram(
             program=found,
@@ -166,6 +176,8 @@ class _Builder:
             parameters=self._lengths[Array.PARAMETER],
             signals=len(self._signals),
             powers=len(self._powers),
+            guards=self._lengths[Array.GUARD],
+            jumps=self._lengths[Array.JUMP],
         )
 
     def _implicit(self, step: ImplicitStep) -> ImplicitStep:
@@ -194,21 +206,56 @@ class _Builder:
                 Array.PARAMETER: self._lengths[Array.PARAMETER] + len(self._seeds),
                 Array.SIGNAL: (count + 1) * len(self._signals),
                 Array.POWER: (2 * count + 1) * len(self._powers),
+                Array.JUMP: (count + 2) * self._lengths[Array.JUMP] + (count + 1) * self._lengths[Array.GUARD],
             },
             momenta=all_of(layout.momenta),
             displacements=all_of(layout.displacements),
         )
 
-    def _function(self, function: Function) -> Function:
-        """A function with the tangents of what it assigns, and the blocks that these need."""
-        rules = _Rules(self._leaves, len(self._directions))
+    def _function(self, function: Function, *, is_whole: bool = True) -> Function:
+        """A function with the tangents of what it assigns; with all its blocks, or with those that these need."""
+        rules = TangentRules(self._leaves, len(self._directions))
         kept = [step for step in function.steps if isinstance(step, Assign) and self._is_chosen(step.slot)]
-        solves = needed_solves(function, [step.value for step in kept])
+        solves = [step for step in function.steps if isinstance(step, Solve)]
+        if not is_whole:
+            solves = needed_solves(solves, [step.value for step in kept])
         for solve in solves:
             rules.add_solution(solve)
         assigns: list[Assign] = []
         for step in kept:
             assigns += self._with_tangents(step, rules.of(step.value))
+        return Function(function.name, (*solves, *assigns))
+
+    def _jumps(self, function: Function) -> Function:
+        """What events make of the run, and how that and the guards change: along directions, with time, in time.
+
+        Two directions are added: along the first time passes and nothing moves, along the second everything moves.
+        """
+        count, jumps, guards = len(self._directions), self._lengths[Array.JUMP], self._lengths[Array.GUARD]
+        rates = {step.slot: step.value for step in self._program.rates.steps if isinstance(step, Assign)}
+        moving = {leaf: (*tangents, ZERO, ZERO) for leaf, tangents in self._leaves.items()}
+        for leaf, slot in self._program.layout.slots.items():
+            if slot.array is Array.STATE:
+                moving[leaf] = (*self._leaves[leaf], ZERO, rates.get(Slot(Array.RATE, slot.index), ZERO))
+        moving[TIME] = (ZERO,) * count + (ONE, ONE)
+        rules = TangentRules(moving, count + 2)
+        assigned = [step for step in function.steps if isinstance(step, Assign)]
+        assert self._program.guards is not None
+        watched = [step for step in self._program.guards.steps if isinstance(step, Assign)]
+        solves = needed_solves(
+            number_solves(self._program), [*rates.values(), *(step.value for step in (*assigned, *watched))]
+        )
+        for solve in solves:
+            rules.add_solution(solve)
+        assigns = list(assigned)
+        for step in assigned:
+            for k, value in enumerate(rules.of(step.value)[: count + 1]):
+                assigns.append(Assign(Slot(Array.JUMP, (k + 1) * jumps + step.slot.index), value))
+        for step in watched:
+            tangents = rules.of(step.value)
+            for k, value in enumerate((*tangents[:count], tangents[-1])):
+                index = (count + 2) * jumps + k * guards + step.slot.index
+                assigns.append(Assign(Slot(Array.JUMP, index), value))
         return Function(function.name, (*solves, *assigns))
 
     def _is_chosen(self, slot: Slot) -> bool:
@@ -245,68 +292,3 @@ def _with(tangents: Tangents, place: int, value: Expr) -> Tangents:
 
 def _tangent_path(leaf: Expr, direction: int) -> Path:
     return Path(("tangent", str(direction), *leaf.data.path))
-
-
-def needed_solves(function: Function, values: Iterable[Expr]) -> list[Solve]:
-    """The blocks of a function that some values need, in order."""
-    found: list[Solve] = []
-    wanted = set(leaves(*values))
-    for solve in reversed([step for step in function.steps if isinstance(step, Solve)]):
-        if wanted.intersection(solve.unknowns):
-            found.append(solve)
-            wanted.update(leaves(*solve.residuals, *(entry for row in solve.jacobian for entry in row)))
-    return found[::-1]
-
-
-class _Rules:
-    """Tangents of expressions, from those of their leaves; each node is differentiated once."""
-
-    def __init__(self, known: Mapping[Expr, Tangents], count: int) -> None:
-        self._known = dict(known)
-        self._nothing: Tangents = (ZERO,) * count
-        self._order = Order(lambda node: node in self._known)
-
-    def of(self, root: Expr) -> Tangents:
-        """The tangents of an expression whose unknowns have been solved for."""
-        for node in self._order.new_below(root):
-            self._known[node] = self._combined(node, [self._known.get(arg, self._nothing) for arg in node.args])
-        return self._known.get(root, self._nothing)
-
-    def _combined(self, node: Expr, tangents: list[Tangents]) -> Tangents:
-        if all(tangent is self._nothing for tangent in tangents):
-            return self._nothing
-        found = combine_tangents(node, tangents)
-        return self._nothing if all(map(is_zero, found)) else found
-
-    def add_solution(self, solve: Solve) -> None:
-        """Make the tangents of the unknowns z of r(z, x) = 0 known: dr/dz z' = - dr/dx x'."""
-        if len(solve.unknowns) > MOST_UNKNOWNS:
-            names = ", ".join(str(path) for path in dict.fromkeys(solve.paths[:3]))
-            raise SimulationError.of(
-                "simulation/large-block",
-                f"sensitivities need the derivatives of {len(solve.unknowns)} unknowns that must be solved for "
-                f"together ({names}, ...); they can be had for {MOST_UNKNOWNS}",
-                help="break the loop or the rigid coupling by a compliance",
-            )
-        right = self._explicit(solve)
-        moved = [k for k, column in enumerate(zip(*right, strict=True)) if not all(map(is_zero, column))]
-        if not moved:
-            return
-        matrix = [list(row) for row in solve.jacobian]
-        found = solve_columns(matrix, [[-row[k] for k in moved] for row in right], SymbolicArithmetic())
-        for unknown, row in zip(solve.unknowns, found, strict=True):
-            by_direction = dict(zip(moved, row, strict=True))
-            self._known[unknown] = tuple(by_direction.get(k, ZERO) for k in range(len(self._nothing)))
-
-    def _explicit(self, solve: Solve) -> list[Tangents]:
-        """The tangents of the residuals while the unknowns stay."""
-        unknowns = set(solve.unknowns)
-        inside: dict[Expr, Tangents] = dict.fromkeys(unknowns, self._nothing)
-        order = Order(lambda _: False)
-        for root in solve.residuals:
-            for node in order.new_below(root):
-                if any(arg in inside for arg in node.args):
-                    inside[node] = self._combined(
-                        node, [inside[arg] if arg in inside else self.of(arg) for arg in node.args]
-                    )
-        return [inside[root] if root in inside else self.of(root) for root in solve.residuals]

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from propermodel.bondgraph.pseudo import pseudo_elements
 from propermodel.codegen.lower import Lowered
 from propermodel.codegen.machine import FloatArray, IntArray, Machine, Memory, has_risen
-from propermodel.codegen.program import Array
+from propermodel.codegen.program import Array, Slot
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError
 from propermodel.equations.rank import RankLoss
@@ -42,6 +43,22 @@ class _Trial:
     guards: FloatArray
 
 
+class Follower(Protocol):
+    """What else follows the events of a run."""
+
+    def arrived(self, memory: Memory, number: int) -> None:
+        """The guard of an event has become positive at an instant that was searched for."""
+        ...
+
+    def changed(self, memory: Memory, slots: Sequence[Slot], first: int, values: FloatArray) -> None:
+        """States or held values have become entries of JUMP, from `first` on."""
+        ...
+
+    def left(self, memory: Memory) -> None:
+        """Everything that happens at the instant has happened."""
+        ...
+
+
 class Events:
     """The events of one run as they happen; `keep_row` records all signals at an instant, before and after it.
 
@@ -57,9 +74,11 @@ class Events:
         earlier: tuple[EventRecord, ...] = (),
         *,
         is_stopping: bool = False,
+        follower: Follower | None = None,
     ) -> None:
         self._compiled = compiled
         self._machine = machine
+        self._follower = follower
         self._step = step
         self._keep_row = keep_row
         self._earlier = earlier
@@ -103,6 +122,7 @@ class Events:
             _move(found.memory, memory)
             if lost is not None:
                 return _singular(memory.time, lost)
+            self._tell_arrival(memory, found)
             signals = self._machine.observe(memory)
             self._keep_row(memory.time, signals)
             return self._change(memory, found.guards, signals)
@@ -153,6 +173,13 @@ class Events:
                 return event
         return None
 
+    def _tell_arrival(self, memory: Memory, found: _Trial) -> None:
+        """Tell a follower of the event that decides the instant, unless it is the beginning of a step."""
+        risen = np.flatnonzero(has_risen(memory.guard, found.guards))
+        loud = risen[~np.isin(risen, self._silent)]
+        if self._follower is not None and found.length > 0.0 and loud.size:
+            self._follower.arrived(memory, int(loud[0]))
+
     # -- the changes -------------------------------------------------------------------------------
 
     def _change(self, memory: Memory, guards: FloatArray, signals: FloatArray) -> Ending | None:
@@ -168,6 +195,8 @@ class Events:
                 guards, signals = self._settle(memory, signals)
                 if has_risen(memory.guard, guards).any():
                     continue
+                if self._follower is not None:
+                    self._follower.left(memory)
                 self._keep_row(memory.time, signals)
                 return _stopped(memory.time) if is_stopped else self._endless(memory.time)
             is_stopped = is_stopped or self._stop in risen
@@ -231,6 +260,8 @@ class Events:
         before = self._energy(signals)
         for k, slot in enumerate(impacts.states):
             memory.state[slot.index] = values[impacts.first + k]
+        if self._follower is not None:
+            self._follower.changed(memory, impacts.states, impacts.first, values)
         signals = self._machine.observe(memory)
         lost = before - self._energy(signals)
         works = {
@@ -247,6 +278,8 @@ class Events:
         for k, slot in enumerate(targets[number]):
             array = memory.state if slot.array is Array.STATE else memory.discrete
             array[slot.index] = values[first + k]
+        if self._follower is not None:
+            self._follower.changed(memory, targets[number], first, values)
 
     def _energy(self, signals: FloatArray) -> float:
         return float(signals[self._energies].sum())

@@ -23,8 +23,10 @@ from propermodel.codegen.tangents import TangentProgram
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path
 from propermodel.simulation.endings import failed_ending, overflow_ending
+from propermodel.simulation.events import Events
 from propermodel.simulation.overflow import Overflow
 from propermodel.simulation.start_tangents import StartTangents
+from propermodel.simulation.tangent_events import TangentEvents
 from propermodel.simulation.trajectory import Ending, RunStatus
 
 
@@ -90,6 +92,7 @@ def run_tangents(
     memory: Memory,
     request: Request,
     powers: Sequence[int],
+    signals: Sequence[int],
     kept: Sequence[int] = (),
 ) -> TangentRun:
     """Run to the end, or to where a number ceases to be finite.
@@ -101,6 +104,7 @@ def run_tangents(
         memory: The start; it moves to the end.
         request: The window, step and rows; signals are chosen already.
         powers: The entries of POWER that the program has.
+        signals: The entries of SIGNAL that the program has.
         kept: Which of these have rows, too.
     """
     request = replace(
@@ -108,11 +112,13 @@ def run_tangents(
         selected=np.arange(machine.program.layout.lengths[Array.SIGNAL], dtype=np.int64),
         integral_period=request.row_period if kept else np.inf,
     )
-    times: list[FloatArray] = []
-    rows: list[FloatArray] = []
+    times: list[FloatArray] = [np.zeros(0)]
+    rows: list[FloatArray] = [np.zeros((0, request.selected.size))]
     work: list[Along] = []
     activity: list[Along] = []
-    while True:
+    events = _events(compiled, tangents, machine, request.step, signals) if compiled.system.events else None
+    ending = None if events is None else events.begin(memory)
+    while ending is None:
         before = memory.copy()
         outcome = machine.run(memory, request)
         times.append(outcome.row_times)
@@ -120,22 +126,43 @@ def run_tangents(
         if kept:
             work.append(_work(tangents, outcome.integrals).of(kept))
             activity.append(_activity(tangents, outcome.integrals, outcome.activities).of(kept))
-        if outcome.status is not Status.PAUSED:
-            break
-    ending = _ending(compiled, tangents, outcome, memory, before, powers)
+        if outcome.status is Status.EVENT and events is not None:
+            ending = events.happen(memory, outcome.step)
+        elif outcome.status is not Status.PAUSED:
+            ending = _ending(compiled, tangents, outcome, memory, before, powers)
     unknown = 0.0 if ending.is_complete else np.nan
-    signals = machine.observe(memory) if ending.is_complete else np.full(request.selected.size, np.nan)
+    last = machine.observe(memory) if ending.is_complete else np.full(request.selected.size, np.nan)
     return TangentRun(
         time=np.concatenate(times),
         signals=_signals(tangents, np.concatenate(rows)),
         work=_joined(work),
         activity=_joined(activity),
-        final_signals=_signals(tangents, signals),
+        final_signals=_signals(tangents, last),
         final_work=_work(tangents, memory.integral + unknown),
         final_activity=_activity(tangents, memory.integral + unknown, memory.activity + unknown),
         ending=ending,
         steps=memory.steps_taken,
     )
+
+
+def _events(
+    compiled: CompiledModel, tangents: TangentProgram, machine: Machine, step: float, signals: Sequence[int]
+) -> Events:
+    """The events of a run, as they happen to a program that has some of the signals only."""
+    lowered = compiled.lowered
+    place = {entry: number for number, entry in enumerate(signals)}
+    observables = {
+        path: replace(observable, index=place[observable.index])
+        for path, observable in lowered.observables.items()
+        if observable.index in place
+    }
+    seen = replace(compiled, lowered=replace(lowered, program=tangents.program, observables=observables))
+
+    def keep_nothing(time: float, signals: FloatArray) -> None:
+        """Rows stand at the recording instants only."""
+
+    elements = [event.element for event in compiled.system.events]
+    return Events(seen, machine, step, keep_nothing, follower=TangentEvents(tangents, elements, machine))
 
 
 def _joined(parts: Sequence[Along]) -> Along:
