@@ -4,6 +4,7 @@
 #   make check   style, types, direction of imports
 #   make test    the tests
 #   make docs    the documentation, in docs/_build/html
+#   make bench   the measurements of docs/performance.md, which takes about an hour
 #   make setup   only the virtual environment
 #   make clean   remove everything that can be made again
 

@@ -1,119 +1,56 @@
-"""`python -m benchmarks`: how long compiling and running take, full against reduced, and how it grows with size."""
+"""`python -m benchmarks`: measures how fast everything is, beside others, and writes `docs/performance.md`.
+
+What is measured is kept as JSON in `out/bench`, one file for each part; the page is written from all that is there.
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
 import os
-import platform
-import subprocess
 import sys
-import tempfile
-from collections.abc import Mapping
-from dataclasses import replace
-from statistics import median
+from pathlib import Path
 
-from benchmarks.growth import print_growth
-from propermodel.analysis.activity import rank_activity
-from propermodel.codegen.machine import Method
+from benchmarks import against_c, growth, lanes, reduced, starts
+from benchmarks.conditions import conditions, load
+from benchmarks.document import write_document
+from benchmarks.measure import Json
+from benchmarks.part import COMMAND, Part
 from propermodel.codegen.object_cache import OFF, VARIABLE
-from propermodel.compiler import CompiledModel, compile_model
-from propermodel.library.vehicle.mission import mission
-from propermodel.library.vehicle.truck import HybridTruck
-from propermodel.modelling.elaborate import elaborate
-from propermodel.modelling.model import Scenario
-from propermodel.reduction.plan import plan_reduction
-from propermodel.simulation.simulate import simulate
 
-OUTPUTS = (
-    "chassis.speed",
-    "chassis.acceleration",
-    "engine.crankshaft.flow",
-    "engine.injection.fuel",
-    "hydraulics.accumulator_pressure",
-)
-STEP = 2e-4  # s
-WINDOW = 200.0  # s of the mission, for timing
-REPEATS = 5
-STARTS = 10
-
-# Seconds of processor time that a new process spends on this.
-TIMED = """
-import time
-begin = time.process_time()
-{}
-print(time.process_time() - begin)
-"""
-IMPORT = "import propermodel"
-FIRST_STEP = """
-from propermodel import Method, compile_model, elaborate
-from propermodel.library.vehicle.truck import HybridTruck
-compile_model(elaborate(HybridTruck())).machine(Method.SEMI_IMPLICIT)
-"""
+PARTS: tuple[Part, ...] = (starts.PART, against_c.PART, growth.PART, lanes.PART, reduced.PART)
+DATA = Path("out/bench")
+PAGE = Path("docs/performance.md")
 
 
 def main() -> None:
-    """Print every measurement."""
-    print(f"{platform.platform()}, {platform.processor() or platform.machine()}, Python {platform.python_version()}")
+    """Measure the parts that are asked for, then write the page."""
+    letters = [part.letter for part in PARTS]
+    options = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
+    options.add_argument("--only", nargs="*", choices=letters, default=letters, help="parts to measure (default: all)")
+    options.add_argument("--quick", action="store_true", help="fewer repeats of shorter runs")
+    options.add_argument("--page", type=Path, default=PAGE, help=f"the page to write (default: {PAGE})")
+    asked = options.parse_args()
     os.environ[VARIABLE] = OFF  # compiling is measured, not reading what an earlier run has left
-    _starts()
-    full = compile_model(elaborate(HybridTruck()))
-    scenario = mission("fmtv_mixed")
-    reduced = _reduce(full, scenario)
-    _race(full, reduced, replace(scenario, stop=WINDOW))
-    print_growth()
+    DATA.mkdir(parents=True, exist_ok=True)
+    for part in PARTS:
+        if part.letter in asked.only:
+            print(f"{part.letter}: {part.title}", file=sys.stderr, flush=True)
+            (DATA / f"{part.letter}.json").write_text(json.dumps(_measured(part, asked.quick), indent=1))
+    found = {letter: json.loads(file.read_text()) for letter in letters if (file := DATA / f"{letter}.json").exists()}
+    write_document(PARTS, found, asked.page)
 
 
-def _starts() -> None:
-    print(f"processor time of new processes, median of {STARTS} (smallest to largest):")
-    with tempfile.TemporaryDirectory() as folder:
-        # As a user has it: the byte code of Python is kept, too.
-        without = os.environ | {"PYTHONPYCACHEPREFIX": folder, "PYTHONDONTWRITEBYTECODE": ""}
-        kept = without | {VARIABLE: folder}
-        _seconds(FIRST_STEP, kept)
-        _start("import numpy, for comparison", "import numpy", without)
-        _start("import propermodel", IMPORT, without)
-        _start("truck, from source to machine code", FIRST_STEP, without)
-        _start("the same, code kept by an earlier process", FIRST_STEP, kept)
-
-
-def _start(title: str, code: str, environment: Mapping[str, str]) -> None:
-    times = [_seconds(code, environment) for _ in range(STARTS)]
-    print(f"  {title:<42} {median(times):.2f} s ({min(times):.2f} to {max(times):.2f})")
-
-
-def _seconds(code: str, environment: Mapping[str, str]) -> float:
-    command = [sys.executable, "-c", TIMED.format(code)]
-    return float(subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout)
-
-
-def _reduce(full: CompiledModel, scenario: Scenario) -> CompiledModel:
-    run = simulate(full, scenario, step=STEP)
-    print(f"{run}; peak memory {_peak_memory()}")
-    plan = plan_reduction(full, run, rank_activity(run), protected=OUTPUTS)
-    return compile_model(full.model.without(plan.removals))
-
-
-def _peak_memory() -> str:
-    try:
-        import resource
-    except ImportError:
-        return "not measured on this system"
-    return f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB"
-
-
-def _race(full: CompiledModel, reduced: CompiledModel, scenario: Scenario) -> None:
-    print(f"first {scenario.stop:g} s at {STEP * 1e3:g} ms, interleaved, median of {REPEATS} (smallest to largest):")
-    for method in Method:
-        walls: dict[str, list[float]] = {"full": [], "reduced": []}
-        steps = 0
-        for _ in range(REPEATS):
-            for name, compiled in (("full", full), ("reduced", reduced)):
-                run = simulate(compiled, scenario, method=method, step=STEP, record=OUTPUTS)
-                walls[name].append(run.statistics.wall_s)
-                steps = run.statistics.steps
-        for name, times in walls.items():
-            spread = f"{min(times) / steps * 1e9:.0f} to {max(times) / steps * 1e9:.0f}"
-            print(f"  {method:<20} {name:<8} {median(times) / steps * 1e9:>6.0f} ns a step ({spread})")
-        print(f"  {method:<20} ratio    {median(walls['full']) / median(walls['reduced']):>6.2f}")
+def _measured(part: Part, is_quick: bool) -> Json:
+    before = load()
+    data = part.measure(is_quick)
+    return {
+        "command": f"{COMMAND} --only {part.letter}{' --quick' if is_quick else ''}",
+        "is_quick": is_quick,
+        "conditions": conditions(),
+        "load": [before, load()],
+        "data": data,
+    }
 
 
 if __name__ == "__main__":

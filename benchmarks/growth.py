@@ -1,71 +1,146 @@
-"""How the time from a model's source to its first native step grows with its size, beside other tools."""
+"""Part d: how compiling, stepping and memory grow with the size of a model, beside the equations of other tools."""
 
 from __future__ import annotations
 
+import json
 import math
-import time
-from dataclasses import dataclass
-from itertools import pairwise
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
 
-from benchmarks.chain import chain_model
 from benchmarks.equation_peers import measure_peers
-from propermodel.codegen.machine import Method
+from benchmarks.measure import Json, spread
+from benchmarks.part import Part, paragraph, rounded, shown, table
+
+SIZES = (10, 57, 200, 500, 1000, 2000, 5000)
+GROWS_FROM = 57
+REPEATS = 5
+
+# A process of its own for each chain: memory is that of this model alone, and nothing is known from an earlier one.
+CHAIN = """
+import json, resource, sys, time
+from benchmarks.chain import chain_model
+from propermodel.codegen.machine import Method, Request
+from propermodel.codegen.native import NativeMachine
 from propermodel.compiler import compile_model
 from propermodel.modelling.elaborate import elaborate
 from propermodel.modelling.model import Scenario
-from propermodel.simulation.simulate import simulate
+from propermodel.simulation.start import start_of
+size, steps = int(sys.argv[1]), int(sys.argv[2])
+compile_model(elaborate(chain_model(3))).machine(Method.SEMI_IMPLICIT)
+marks = [time.process_time()]
+compiled = compile_model(elaborate(chain_model(size)))
+marks.append(time.process_time())
+machine = NativeMachine(compiled.lowered.program, Method.SEMI_IMPLICIT, long_run=0)
+memory = start_of(compiled, Scenario(stop=1e9)).memory
+machine.run(memory, Request(until=1e-4, step=1e-4))
+marks.append(time.process_time())
+per_step = []
+for _ in range(5):
+    begin, before = time.process_time(), memory.steps_taken
+    machine.run(memory, Request(until=memory.time + steps * 1e-4, step=1e-4, most_ticks=10**9))
+    per_step.append((time.process_time() - begin) / (memory.steps_taken - before))
+unit = 2**20 if sys.platform == "darwin" else 2**10
+print(json.dumps({
+    "equations": marks[1] - marks[0],
+    "native": marks[2] - marks[1],
+    "per_step": per_step,
+    "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit,
+}))
+"""
 
 
-@dataclass(frozen=True)
-class Stages:
-    """Seconds of processor time for one chain, from its classes to its first step."""
-
-    size: int
-    equations: float
-    native: float
-    first_step: float
-
-    @property
-    def total(self) -> float:
-        """From source to step."""
-        return self.equations + self.native + self.first_step
-
-
-def print_growth(sizes: tuple[int, ...] = (10, 57, 200, 500, 1000, 2000, 5000)) -> None:
-    """Print a table over chain sizes, its slope, and what other tools need."""
-    print("chain of N mass-spring-damper sections, from components to the first native step, processor time:")
-    _measure(10)
-    rows = [_middle(size, repeats=5 if size <= 200 else 1) for size in sizes]
-    for row in rows:
-        print(
-            f"  N = {row.size:>4}: {row.total:>6.2f} s (equations {row.equations:.2f} s, "
-            f"native code {row.native:.2f} s, first step {row.first_step:.3f} s)"
+def measure(is_quick: bool) -> Json:
+    """Processor seconds, nanoseconds a step and megabytes for growing chains."""
+    sizes = SIZES[:3] if is_quick else SIZES
+    rows: list[Json] = []
+    for size in sizes:
+        repeats = 1 if is_quick or size > 1000 else REPEATS
+        found = [_chain(size, steps=max(200, 400_000 // size)) for _ in range(repeats)]
+        rows.append(
+            {
+                "size": size,
+                "equations": spread(one["equations"] for one in found).json(),
+                "native": spread(one["native"] for one in found).json(),
+                "total": spread(one["equations"] + one["native"] for one in found).json(),
+                "per_step": spread(value for one in found for value in one["per_step"]).json(),
+                "memory_mb": median(one["memory_mb"] for one in found),
+            }
         )
-    print(f"  total grows as N to the {_slope([row for row in rows if row.size >= 57]):.2f} from N = 57")
-    print("other tools, equations of the same chain:")
-    for peer in measure_peers():
-        print(peer)
+    peers = [] if is_quick else [{"peer": p.peer, "text": str(p).strip()} for p in measure_peers()]
+    return {"rows": rows, "peers": peers}
 
 
-def _middle(size: int, repeats: int) -> Stages:
-    found = sorted((_measure(size) for _ in range(repeats)), key=lambda stages: stages.total)
-    return found[len(found) // 2]
+def _chain(size: int, steps: int) -> Json:
+    command = [sys.executable, "-c", CHAIN, str(size), str(steps)]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
-def _measure(size: int) -> Stages:
-    marks = [time.process_time()]
-    compiled = compile_model(elaborate(chain_model(size)))
-    marks.append(time.process_time())
-    compiled.machine(Method.SEMI_IMPLICIT)
-    marks.append(time.process_time())
-    simulate(compiled, Scenario(name="one step", stop=1e-6), step=1e-6)
-    marks.append(time.process_time())
-    return Stages(size, *(later - sooner for sooner, later in pairwise(marks)))
-
-
-def _slope(rows: list[Stages]) -> float:
-    """The exponent of a power law through the totals, by least squares of the logarithms."""
-    x = [math.log(row.size) for row in rows]
-    y = [math.log(row.total) for row in rows]
+def slope(rows: Sequence[Json], key: str) -> float:
+    """The exponent of a power law through the medians of larger sizes, by least squares of the logarithms."""
+    large = [row for row in rows if row["size"] >= GROWS_FROM]
+    x = [math.log(row["size"]) for row in large]
+    y = [math.log(row[key]["median"]) for row in large]
     mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
     return sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y, strict=True)) / sum((a - mean_x) ** 2 for a in x)
+
+
+def write(data: Json, pictures: Path) -> list[str]:
+    """The table, the exponents and a picture."""
+    rows = data["rows"]
+    text = [
+        paragraph(
+            "A chain of N masses, springs and dampers, from its classes to machine code compiled",
+            "thoroughly, semi-implicit",
+            "Euler with the integrals of power of all bonds. Each N has processes of its own; times",
+            "are processor seconds.",
+        ),
+        *table(
+            ["N", "equations s", "machine code s", "both s", "ns a step", "ns a step and N", "memory MB"],
+            [
+                [
+                    str(row["size"]),
+                    shown(row["equations"]),
+                    shown(row["native"]),
+                    shown(row["total"]),
+                    shown(row["per_step"], 1e9),
+                    rounded(1e9 * row["per_step"]["median"] / row["size"]),
+                    f"{row['memory_mb']:.0f}",
+                ]
+                for row in rows
+            ],
+            numbers_from=0,
+        ),
+        paragraph(
+            f"From N = {GROWS_FROM}, time to machine code grows as N to the",
+            f"{slope(rows, 'total'):.2f}, and the time of a step",
+            f"as N to the {slope(rows, 'per_step'):.2f}.",
+        ),
+    ]
+    if data["peers"]:
+        text += ["", "Other tools, from the same chain to its equations:", ""]
+        text += [f"- {peer['text']}" for peer in data["peers"]]
+    _draw(rows, pictures / "performance_growth.png")
+    return [*text, "", "![Growth with the size of a model](images/performance_growth.png)"]
+
+
+def _draw(rows: Sequence[Json], file: Path) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 3.2), layout="constrained")
+    axes = figure.subplots(1, 2)
+    sizes = [row["size"] for row in rows]
+    for key, label in (("equations", "equations"), ("native", "machine code"), ("total", "both")):
+        axes[0].loglog(sizes, [row[key]["median"] for row in rows], marker="o", label=label)
+    axes[0].set(xlabel="sections", ylabel="processor time, s")
+    axes[0].legend()
+    axes[1].loglog(sizes, [1e6 * row["per_step"]["median"] for row in rows], marker="o")
+    axes[1].set(xlabel="sections", ylabel="a step, µs")
+    for each in axes:
+        each.grid(alpha=0.3)
+    figure.savefig(file, dpi=120)
+
+
+PART = Part("d", "Growth with the size of a model", measure, write)
