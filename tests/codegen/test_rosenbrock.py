@@ -10,9 +10,10 @@ from scipy.integrate import solve_ivp
 
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.machine import Method, Request, Status
-from propermodel.codegen.rosenbrock import ROS2, with_step_of
+from propermodel.codegen.rosenbrock import with_step_of
 from propermodel.codegen.schedule import nodes_of
 from propermodel.codegen.state_jacobian import state_jacobian
+from propermodel.codegen.tableaus import ROS2
 from propermodel.diagnostics import SimulationError
 from propermodel.expressions import cos, sin
 from propermodel.expressions.core import TIME

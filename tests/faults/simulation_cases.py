@@ -327,6 +327,12 @@ CASES = (
         cure="step well below",
     ),
     Case(
+        code="simulation/tolerance",
+        run=lambda: simulate(quarter(), STEP, tolerance=0.0),
+        names=("0.0",),
+        cure="share of each state",
+    ),
+    Case(
         code="simulation/large-block",
         run=large_block,
         names=("25 unknowns", "rungs[1].along", "24"),

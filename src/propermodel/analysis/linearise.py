@@ -181,6 +181,7 @@ def memory_at(run: Trajectory, time: float | None) -> Memory:
         method=run.method,
         step=run.step,
         jacobian_every=run.jacobian_every,
+        tolerance=run.tolerance,
         record=(),
         record_every=time - run.scenario.start,
         integrals_every=time - run.scenario.start,

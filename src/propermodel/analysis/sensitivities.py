@@ -19,6 +19,7 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.start import Start, parameter_values, start_of
 from propermodel.simulation.start_tangents import StartTangents, start_tangents
+from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.table_store import TableStore
 from propermodel.simulation.tangent_run import Along, TangentRun, run_tangents, tangent_memory
 from propermodel.simulation.trajectory import Ending, Statistics, observable_path
@@ -162,7 +163,7 @@ def sensitivities(
     parameters: Iterable[Name],
     outputs: Iterable[Name] = (),
     method: Method = Method.SEMI_IMPLICIT,
-    step: float = 2e-4,
+    step: float | None = None,
     jacobian_every: int = 1,
     record_every: float = 0.1,
     start: Literal["declared", "equilibrium"] = "declared",
@@ -178,7 +179,7 @@ def sensitivities(
         parameters: With respect to which; parameters that the model computes from them follow.
         outputs: Observables, and `power`, `work` or `activity` of ports, bonds and groups.
         method: How a step is taken.
-        step: Largest step, s.
+        step: Largest step, s, by default 0.2 ms.
         jacobian_every: How many steps of an implicit method may share one Jacobian.
         record_every: Period of recording, s.
         start: Whether the run begins with the declared values or at the equilibrium near them.
@@ -189,7 +190,8 @@ def sensitivities(
     Raises:
         SimulationError: a name is unknown, the scenario does not fit, or the model has jumps that have no derivative.
     """
-    question = Question.asked(compiled, scenario, parameters, outputs, step, record_every, jacobian_every)
+    stepping = Stepping(method, step, jacobian_every)
+    question = Question.asked(compiled, scenario, parameters, outputs, stepping, record_every)
     before = time.perf_counter()
     prepared = compiled.tangents(method, question.directions, question.signals, question.powers)
     machine = prepared.machine()
@@ -209,7 +211,7 @@ def sensitivities(
         tangent_memory(prepared.tangents, begun.memory, rates),
         Request(
             until=scenario.stop,
-            step=step,
+            step=stepping.longest(),
             row_period=record_every,
             most_ticks=TICKS_AT_ONCE,
             jacobian_every=jacobian_every,
@@ -226,7 +228,7 @@ def sensitivities(
         compiled=compiled,
         scenario=scenario,
         method=method,
-        step=step,
+        step=stepping.longest(),
         parameters=question.parameters,
         parameter_values=np.array([values[flat[path].symbol] for path in question.parameters]),
         parameter_units=tuple(si_text(flat[path].unit) for path in question.parameters),

@@ -16,6 +16,7 @@ from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, o
 from propermodel.expressions.core import Expr, leaves
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.finite import faults_of_settings
+from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.tangent_run import Along, TangentRun
 from propermodel.simulation.trajectory import observable_path
 
@@ -65,9 +66,8 @@ class Question:
         scenario: Scenario,
         parameters: Iterable[Name],
         outputs: Iterable[Name],
-        step: float,
+        stepping: Stepping,
         record_every: float,
-        jacobian_every: int,
     ) -> Question:
         """The question, checked.
 
@@ -76,7 +76,8 @@ class Question:
         """
         names = tuple(dict.fromkeys(map(observable_path, parameters)))
         faults = Faults(SimulationError)
-        faults.found.extend(faults_of_settings(scenario, step, record_every, record_every, jacobian_every))
+        faults.found.extend(faults_of_settings(scenario, stepping, record_every, record_every))
+        faults.found.extend(_faults_of_stepping(stepping))
         faults.found.extend(_faults_of_model(compiled))
         faults.found.extend(_faults_of_parameters(compiled, names))
         entries = _Entries(compiled)
@@ -235,6 +236,15 @@ def _faults_of_parameters(compiled: CompiledModel, names: Sequence[Path]) -> Ite
                     source=controller.source,
                     help="compare runs with different periods, or leave this parameter out",
                 )
+
+
+def _faults_of_stepping(stepping: Stepping) -> Iterator[Diagnostic]:
+    if stepping.method.is_adaptive:
+        yield Diagnostic(
+            "simulation/sensitivities",
+            f"{stepping.method} chooses its steps by their error; sensitivities are derivatives of steps that stay",
+            help="use a method with steps of one length: ros2 for stiff models, rk4 for others",
+        )
 
 
 def _faults_of_model(compiled: CompiledModel) -> Iterator[Diagnostic]:

@@ -24,6 +24,8 @@ class MethodName(StrEnum):
     SEMI_IMPLICIT = "semi-implicit-euler"
     RK4 = "rk4"
     ROS2 = "ros2"
+    RODAS = "rodas"
+    DOPRI5 = "dopri5"
 
 
 ModelText = Annotated[

@@ -5,16 +5,20 @@ A value is a float64, or an array of one per lane; the order of operations is th
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from propermodel.codegen.interpreted_attempt import Attempt
 from propermodel.codegen.interpreted_code import AllFailed, Code, ImplicitCode, Working
 from propermodel.codegen.machine import (
     QUADRATURE,
     SAME_INSTANT,
     STEPS_BETWEEN_CHECKS,
+    STEPS_BETWEEN_PAUSES,
+    Failure,
     FloatArray,
     IntArray,
     Memory,
@@ -34,9 +38,18 @@ from propermodel.codegen.machine import (
 from propermodel.codegen.program import Array, Program
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.codegen.rosenbrock import with_step_of
-from propermodel.codegen.schedule import (
-    number_solves,
+from propermodel.codegen.schedule import number_solves
+from propermodel.codegen.step_control import (
+    LEAST_ERROR_BEFORE,
+    MOST_FACTOR,
+    factor_accepted,
+    factor_rejected,
+    least_sizes,
+    longest_in,
+    prepare_control,
+    smallest_step,
 )
+from propermodel.codegen.tableaus import EXPLICIT_TABLEAUS
 
 
 class InterpretedMachine:
@@ -87,7 +100,10 @@ class InterpretedMachine:
         check_memory(self._program, self._lanes, memory)
         check_request(self._program, memory, request)
         with np.errstate(all="ignore"):
-            return _Loop(self, memory, request).run()
+            if not self._method.is_adaptive:
+                return _Loop(self, memory, request).run()
+            prepare_control(self, memory, request)
+            return _AdaptiveLoop(self, memory, request).run()
 
     def rates(self, memory: Memory) -> tuple[FloatArray, FloatArray]:
         """The RATE and POWER arrays at the memory's time; the memory is not changed."""
@@ -126,8 +142,15 @@ class InterpretedMachine:
         run = self.begun(memory)
         try:
             with np.errstate(all="ignore"):
-                self.step(run, memory.time, step)
-                self.close(run, memory.time + step)
+                if self._method.is_adaptive:
+                    attempt = self.attempt(run, Request(until=memory.time + step, step=step))
+                    self.take(attempt, memory.time, step, is_fresh=True)
+                    self.correct(run, memory.time + step)
+                    self.commit(attempt, memory.time, step)
+                    self.finish(attempt, memory.time + step)
+                else:
+                    self.step(run, memory.time, step)
+                    self.close(run, memory.time + step)
         except AllFailed:
             raise not_solved(self._program, run.failures[0]) from None
         memory.time += step
@@ -182,12 +205,43 @@ class InterpretedMachine:
             self._explicit_step(run, time, h)
         else:
             self._implicit_step(run, time, h, self._implicit, is_fresh)
+        self.correct(run, time + h)
+
+    def correct(self, run: Working, time: float) -> None:
+        """Bring states back onto what they must obey."""
         for correction in self._corrections:
-            self.evaluate(run, correction, time + h)
+            self.evaluate(run, correction, time)
+
+    @property
+    def has_corrections(self) -> bool:
+        """Whether states are changed after every step."""
+        return bool(self._corrections)
+
+    def attempt(self, run: Working, request: Request) -> Attempt:
+        """What steps that control their length work on in one call."""
+        return Attempt(run, self._rates, self.evaluate, least_sizes(run.memory, request), request.tolerance)
+
+    def take(self, attempt: Attempt, time: float, h: float, *, is_fresh: bool) -> float:
+        """Take a step that may be taken back; its error as a share of what is tolerated."""
+        if self._implicit is not None:
+            return attempt.take_implicit(self._implicit, time, h)
+        return attempt.take_explicit(EXPLICIT_TABLEAUS[self._method], time, h, is_fresh=is_fresh)
+
+    def commit(self, attempt: Attempt, time: float, h: float) -> None:
+        """Make a step part of the run."""
+        if self._implicit is not None:
+            attempt.commit_implicit(self._implicit, time, h)
+        else:
+            attempt.commit_explicit(EXPLICIT_TABLEAUS[self._method], time, h)
+
+    def finish(self, attempt: Attempt, time: float) -> None:
+        """Complete the integrals at an instant."""
+        if self._implicit is not None:
+            attempt.close(time)
 
     def _implicit_step(self, run: Working, time: float, h: float, code: ImplicitCode, is_fresh: bool) -> None:
         run.arrays[Array.STEP][:] = h
-        self.evaluate(run, code.first if is_fresh else code.first_again, time)
+        self.evaluate(run, code.first if is_fresh or code.first_again is None else code.first_again, time)
         if is_fresh:
             run.fail_weak(code.start)
             if not run.memory.alive.any():
@@ -224,8 +278,8 @@ class InterpretedMachine:
                     self._integrate(run, h, stage)
                     total += rate * (2.0 if stage < 3 else 1.0)
                 state[...] = start + total * (h * (1.0 / 6.0))
-            case Method.ROS2:
-                raise AssertionError("an implicit method has its own step")
+            case Method.ROS2 | Method.RODAS | Method.DOPRI5:
+                raise AssertionError("this method has its own step")
 
     def _integrate(self, run: Working, h: float, stage: int) -> None:
         self._add_powers(run, h * QUADRATURE[self._method][stage])
@@ -270,8 +324,9 @@ class _Loop:
                 if ticks == 0:
                     return self._outcome(Status.PAUSED)
                 ticks -= 1
-                if not self._do_steps():
-                    return self._outcome(Status.EVENT)
+                status = self.do_steps()
+                if status is not None:
+                    return self._outcome(status)
                 self._check()
         except AllFailed:
             return self._outcome(None)
@@ -312,12 +367,15 @@ class _Loop:
             self._activities.append(memory.activity.copy())
             memory.integral_rows_taken += 1
 
-    def _do_steps(self) -> bool:
-        """Steps to the next instant; False where a step that would meet an event was taken back."""
+    def _next_instant(self) -> float:
+        dues = [self._request.until, self._row_due(), self._integral_due()]
+        return min(*dues, *(self._sample_due(k) for k in range(len(self._periods))))
+
+    def do_steps(self) -> Status | None:
+        """Steps to the next instant; a status where they end before."""
         memory, request = self._memory, self._request
         start = memory.time
-        dues = [request.until, self._row_due(), self._integral_due()]
-        end = min(*dues, *(self._sample_due(k) for k in range(len(self._periods))))
+        end = self._next_instant()
         count = max(1, math.ceil((end - start) / request.step - SAME_INSTANT))
         h = (end - start) / count
         for i in range(count):
@@ -336,14 +394,14 @@ class _Loop:
                 self._run.pending = pending
                 self._machine.close(self._run, memory.time)
                 self._event_step = h
-                return False
+                return Status.EVENT
             memory.steps_taken += 1
             if (i + 1) % STEPS_BETWEEN_CHECKS == 0 and len(state_failures(memory)) == memory.alive.sum():
                 memory.time = start + (i + 1) * h
                 self._check()
         memory.time = end
         self._machine.close(self._run, end)
-        return True
+        return None
 
     def _check(self) -> None:
         for failure in state_failures(self._memory):
@@ -372,3 +430,66 @@ class _Loop:
             failures=tuple(failures),
             step=self._event_step if status is Status.EVENT else 0.0,
         )
+
+
+class _AdaptiveLoop(_Loop):
+    """One call of `run` with steps that control their length."""
+
+    def __init__(self, machine: InterpretedMachine, memory: Memory, request: Request) -> None:
+        super().__init__(machine, memory, request)
+        self._attempt = machine.attempt(self._run, request)
+
+    def do_steps(self) -> Status | None:
+        """Steps to the next instant; a status where they end before."""
+        machine, memory, run, attempt = self._machine, self._memory, self._run, self._attempt
+        largest, end = self._request.step, self._next_instant()
+        is_fresh, most_growth = True, MOST_FACTOR
+        for count in itertools.count(1):
+            time, wanted = memory.time, memory.next_step
+            h, is_last = longest_in(end - time, wanted)
+            failures = len(run.failures)
+            error = machine.take(attempt, time, h, is_fresh=is_fresh)
+            if not error <= 1.0:
+                memory.steps_rejected += 1
+                attempt.restore()
+                memory.next_step = h * factor_rejected(error)
+                if memory.next_step < smallest_step(time, largest):
+                    self._give_up()
+                attempt.revive(failures)
+                most_growth = 1.0
+                continue
+            machine.correct(run, time + h)
+            if machine.meets_event(run, time + h):
+                attempt.restore()
+                self._event_step = h
+                return Status.EVENT
+            machine.commit(attempt, time, h)
+            memory.steps_taken += 1
+            self._plan(error, h, wanted, most_growth)
+            memory.time = end if is_last else time + h
+            if is_last:
+                machine.finish(attempt, end)
+                return None
+            if count >= STEPS_BETWEEN_PAUSES:
+                machine.finish(attempt, memory.time)
+                self._check()
+                return Status.PAUSED
+            is_fresh, most_growth = machine.has_corrections, MOST_FACTOR
+        raise AssertionError("steps have no end")
+
+    def _plan(self, error: float, h: float, wanted: float, most_growth: float) -> None:
+        """Choose the next step after one that was accepted."""
+        memory = self._memory
+        chosen = h * factor_accepted(error, memory.last_error, most_growth)
+        is_cut = h < wanted
+        memory.next_step = min(max(chosen, wanted) if is_cut else chosen, self._request.step)
+        if not is_cut:
+            memory.last_error = max(error, LEAST_ERROR_BEFORE)
+
+    def _give_up(self) -> None:
+        memory = self._memory
+        if memory.alive.all():
+            worst = int(np.argmax(self._attempt.errors))
+            self._run.failures.append(Failure(0, Status.STEP_TOO_SMALL, memory.time, worst))
+            memory.alive[:] = False
+        raise AllFailed

@@ -45,6 +45,7 @@ class Working:
             Array.FACTOR: zeros(Array.FACTOR),
             Array.STAGE: zeros(Array.STAGE),
             Array.WEAK: zeros(Array.WEAK),
+            Array.ERROR: zeros(Array.STATE),
         }
         self.pending = 0.0  # the length of an implicit step whose end is not yet in the integrals
 
@@ -170,7 +171,8 @@ class ImplicitCode:
 
     def __init__(self, program: Program, step: ImplicitStep, numbers: dict[Solve, int]) -> None:
         self.first = Code(program, step.first, numbers)
-        self.first_again = Code(program, step.first_again, numbers)
+        self.first_again = None if step.first_again is None else Code(program, step.first_again, numbers)
         self.later = [Code(program, function, numbers) for function in step.later]
+        self.middle = None if step.middle is None else Code(program, step.middle, numbers)
         self.shares = step.shares
         self.start: IntArray = np.array([slot.index for slot in step.start], dtype=np.int64)

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from propermodel.codegen.llvm_attempt import single_step_lines
 from propermodel.codegen.llvm_implicit import PENDING, close_before_event_lines
 from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Frame, Module, literal
+from propermodel.codegen.machine import Method
 from propermodel.codegen.program import Array, Program
 
 # What a step changes, and where it is kept until the guards have been compared.
@@ -33,11 +35,25 @@ def _kept_rows(program: Program, state_rows: int) -> dict[str, int]:
     return rows if program.implicit_step is None else {**rows, PENDING: 1}
 
 
-def write_events(module: Module, program: Program, state_rows: int) -> None:
-    """Write `keep`, `take.back`, `meets.event` and the entries `evaluate.guards`, `evaluate.jumps`, `advance`.
+def write_events(module: Module, program: Program, method: Method, state_rows: int) -> None:
+    """Write `meets.event` and the entries `evaluate.guards`, `evaluate.jumps`, `advance`.
 
-    Programs with ideal switches also get `evaluate.switching`.
+    Programs with ideal switches also get `evaluate.switching`; where steps are of one length, `keep` and `take.back`.
     """
+    if not method.is_adaptive:
+        _write_keeping(module, program, state_rows)
+    _write_meets_event(module, program)
+    for name in ("guards", "jumps", *(["switching"] if program.switching is not None else [])):
+        module.functions.append(_entry(f"evaluate.{name}", ARGUMENTS, f"  call void @{name}({PASSED})"))
+    step = "  %well = call i1 @step(ptr %w, ptr %tables, double %t, double %h, i1 true)"
+    if method.is_adaptive:
+        step = "\n".join(single_step_lines(program))
+    elif program.implicit_step is not None:
+        step += "\n  %t.end = fadd double %t, %h\n  %is.closed = call i1 @close(ptr %w, ptr %tables, double %t.end)"
+    module.functions.append(_entry("advance", f"{ARGUMENTS}, double %h", step))
+
+
+def _write_keeping(module: Module, program: Program, state_rows: int) -> None:
     frame = module.frame
     rows = _kept_rows(program, state_rows)
     for name, is_back in (("keep", False), ("take.back", True)):
@@ -52,13 +68,6 @@ def write_events(module: Module, program: Program, state_rows: int) -> None:
                 f"  call void @llvm.memcpy.p0.p0.i64(ptr %to{k}, ptr %from{k}, i64 {size}, i1 false)",
             ]
         module.functions.append("\n".join([f"define internal void @{name}(ptr %w) {{", *lines, "  ret void", "}"]))
-    _write_meets_event(module, program)
-    for name in ("guards", "jumps", *(["switching"] if program.switching is not None else [])):
-        module.functions.append(_entry(f"evaluate.{name}", ARGUMENTS, f"  call void @{name}({PASSED})"))
-    step = "  %well = call i1 @step(ptr %w, ptr %tables, double %t, double %h, i1 true)"
-    if program.implicit_step is not None:
-        step += "\n  %t.end = fadd double %t, %h\n  %is.closed = call i1 @close(ptr %w, ptr %tables, double %t.end)"
-    module.functions.append(_entry("advance", f"{ARGUMENTS}, double %h", step))
 
 
 def _entry(name: str, arguments: str, body: str) -> str:

@@ -94,7 +94,7 @@ class Frame:
 
     def row(self, array: Array, index: int) -> int:
         """The row of one entry of an array."""
-        if array in (Array.STATE, Array.RATE):
+        if array in (Array.STATE, Array.RATE, Array.ERROR):
             index = self.state_rows[index]
         return self.regions[array] + index
 

@@ -3,7 +3,8 @@
 Time is divided into ticks. A tick ends at the next due instant among: the next sample of each rate, the next signal
 row, the next integral row, and the end of the request. Instants are `origin + k * period` with whole k, so no error
 accumulates; instants closer than a billionth of a step are one. At an instant, in this order: the controllers that are
-due, by rate; the rows that are due; then equal steps to the next instant; then the check of every state.
+due, by rate; the rows that are due; then equal steps to the next instant, or such as the control of the step chooses
+(`step_control.py`); then the check of every state.
 
 A program with events is run in one lane. After every step its guards are compared with those before; where one has
 become positive, the step is taken back and the run returns, so that the caller finds the instant.
@@ -30,8 +31,12 @@ BoolArray = NDArray[np.bool_]
 
 # Instants this close, in steps, are one instant; a remainder this small needs no step of its own.
 SAME_INSTANT = 1e-9
+# States smaller than this, in SI units, count as being of this size.
+LEAST_SIZE = 1e-9
 # Inside a long tick, a run that has failed in every lane is noticed after so many steps.
 STEPS_BETWEEN_CHECKS = 256
+# Inside a long tick, a run that controls its steps pauses after so many.
+STEPS_BETWEEN_PAUSES = 4096
 
 
 class Method(StrEnum):
@@ -41,10 +46,23 @@ class Method(StrEnum):
     SEMI_IMPLICIT = "semi-implicit-euler"  # momenta first, displacements with the new momenta at the new time
     RK4 = "rk4"
     ROS2 = "ros2"  # linearly implicit, L-stable
+    RODAS = "rodas"  # linearly implicit, L-stable, of order 4, controls its step
+    DOPRI5 = "dopri5"  # explicit, of order 5, controls its step
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether it chooses its steps by an estimate of their error."""
+        return self in (Method.RODAS, Method.DOPRI5)
+
+    @property
+    def is_implicit(self) -> bool:
+        """Whether stiff parts do not limit its step."""
+        return self in (Method.ROS2, Method.RODAS)
 
 
 # The seam for quadratures: the share of the step that each evaluation of POWER stands for. Those of an implicit step
-# are at its beginning and at its end, where one serves the next step, too.
+# are at its beginning and at its end, where one serves the next step, too. Methods that control their step go by the
+# parabola through the powers at its beginning, middle and end.
 QUADRATURE: Mapping[Method, tuple[float, ...]] = {
     Method.EULER: (1.0,),
     Method.SEMI_IMPLICIT: (1.0,),
@@ -62,6 +80,7 @@ class Status(StrEnum):
     OUT_OF_RANGE = "out-of-range"
     NOT_CONVERGED = "not-converged"
     SINGULAR_STEP = "singular-step"  # the equations of an implicit step have no solution
+    STEP_TOO_SMALL = "step-too-small"  # no step is short enough for the tolerance
     EVENT = "event"  # the next step, of the length that is told, would make a guard positive; it has not been taken
 
 
@@ -103,12 +122,16 @@ class Memory:
     activity: FloatArray  # of its absolute value
     lower: FloatArray  # limits of every state
     upper: FloatArray
+    size: FloatArray  # the largest magnitude of every state so far, where steps are controlled
     tables: tuple[TableData, ...]
     samples_taken: IntArray  # for each rate
     alive: BoolArray
     rows_taken: int = 0
     integral_rows_taken: int = 0
     steps_taken: int = 0
+    steps_rejected: int = 0  # too inaccurate, and taken again shorter
+    next_step: float = 0.0  # of a method that controls it, s; 0: not yet chosen
+    last_error: float = 1.0  # of the last step that was not cut by an instant, as a share of what is tolerated
 
     def copy(self) -> Memory:
         """An independent memory with the same content; tables are shared, as they are never written."""
@@ -150,6 +173,7 @@ def start_memory(
         activity=power.copy(),
         lower=np.full_like(state, -math.inf),
         upper=np.full_like(state, math.inf),
+        size=np.zeros_like(state),
         tables=tuple(tables),
         samples_taken=np.zeros(len(program.samples), dtype=np.int64),
         alive=np.ones(lanes, dtype=np.bool_),
@@ -158,6 +182,10 @@ def start_memory(
 
 def _no_selection() -> IntArray:
     return np.zeros(0, dtype=np.int64)
+
+
+def _no_numbers() -> FloatArray:
+    return np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -175,6 +203,8 @@ class Request:
     most_rows: int = 4096  # room for rows of each kind; when it is used up, the run pauses
     most_ticks: int = 1_000_000
     jacobian_every: int = 1  # steps that an implicit method takes with one Jacobian, within a tick
+    tolerance: float = 1e-4  # error of a state in one step, as a share of its size, where steps are controlled
+    least_sizes: FloatArray = field(default_factory=_no_numbers)  # that states count as having; none: LEAST_SIZE
 
 
 @dataclass(frozen=True)
@@ -290,6 +320,7 @@ def check_memory(program: Program, lanes: int, memory: Memory) -> None:
         "state": Array.STATE,
         "lower": Array.STATE,
         "upper": Array.STATE,
+        "size": Array.STATE,
         "discrete": Array.DISCRETE,
         "parameter": Array.PARAMETER,
         "unknown": Array.UNKNOWN,
@@ -327,6 +358,11 @@ def check_request(program: Program, memory: Memory, request: Request) -> None:
         raise ValueError("most_rows and most_ticks must be at least 1")
     if request.jacobian_every < 1:
         raise ValueError(f"a Jacobian serves at least 1 step, not {request.jacobian_every}")
+    if not 0.0 < request.tolerance < 1.0:
+        raise ValueError(f"the tolerance is {request.tolerance}; it must be between 0 and 1")
+    count = program.layout.lengths.get(Array.STATE, 0)
+    if request.least_sizes.size and (request.least_sizes.shape != (count,) or not np.all(request.least_sizes > 0.0)):
+        raise ValueError(f"least sizes must be {count} positive numbers, one for each state")
     count = program.layout.lengths.get(Array.SIGNAL, 0)
     selected = request.selected
     if selected.size and not (int(selected.min()) >= 0 and int(selected.max()) < count):

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from propermodel.codegen.control_block import Code
 from propermodel.codegen.llvm_compiler import Effort, Library
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS
-from propermodel.codegen.llvm_run import Code
 from propermodel.codegen.machine import (
     Failure,
     FloatArray,
@@ -28,6 +28,7 @@ from propermodel.codegen.machine import (
 from propermodel.codegen.native_code import NativeCode, Recipe
 from propermodel.codegen.native_memory import Control, ReadyTables, Work, ready_tables
 from propermodel.codegen.program import Array, Program
+from propermodel.codegen.step_control import least_sizes, prepare_control
 
 # Thorough code makes a step some 10 to 30 % shorter and takes as long to make as it saves in about a million steps.
 LONG_RUN = 500_000  # steps of one lane
@@ -86,7 +87,11 @@ class NativeMachine:
         check_request(self._program, memory, request)
         if self._lanes == 1:
             memory.alive[:] = True
+        if self._method.is_adaptive:
+            prepare_control(self, memory, request)
         work = self._work(memory)
+        if self._method.is_adaptive:
+            work.set_least_sizes(least_sizes(memory, request))
         control = Control(self._arrangement, memory, request, sample_periods(self._program, memory))
         failures: list[Failure] = []
         library = self._library_for(memory, request)
@@ -98,6 +103,8 @@ class NativeMachine:
             failures += work.solve_failures()
             if code is Code.STATE_FAILED:
                 failures += state_failures(memory)
+            if code is Code.STEP_TOO_SMALL:
+                failures.append(Failure(0, Status.STEP_TOO_SMALL, memory.time, work.worst_state()))
             for failure in failures:
                 memory.alive[failure.lane] = False
             work.read_alive()
@@ -110,7 +117,9 @@ class NativeMachine:
     def _library_for(self, memory: Memory, request: Request) -> Library:
         """The code for a run: better code as soon as the steps taken and those still asked for are many."""
         with self._improving:
-            ahead = self._lanes * (request.until - memory.time) / request.step
+            taken = memory.time - memory.origin
+            step = taken / memory.steps_taken if self._method.is_adaptive and taken > 0.0 else request.step
+            ahead = self._lanes * (request.until - memory.time) / step
             if ahead >= self._steps_to_thorough:
                 self._load(self._recipe.get(Effort.THOROUGH))
                 self._steps_to_thorough = math.inf

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propermodel.codegen.llvm_run import Word
+from propermodel.codegen.control_block import Word
 from propermodel.codegen.llvm_tables import AXIS_WORDS, DESCRIPTOR_WORDS
 from propermodel.codegen.machine import (
     Failure,
@@ -24,6 +24,7 @@ from propermodel.codegen.print_program import Arrangement
 from propermodel.codegen.program import Array, Program
 from propermodel.codegen.tables import PreparedTable, prepare_tables
 
+_SIZE = "size"  # a region of code that controls its steps
 _LARGEST = float(np.finfo(np.float64).max)
 
 
@@ -69,7 +70,18 @@ class Work:
         if memory.guard.size:
             before = regions["guard.before"]
             block[before : before + memory.guard.size] = self._rows(memory.guard)
+        if _SIZE in regions:
+            block[regions[_SIZE] + self._state_rows] = self._rows(memory.size)
         self.read_alive()
+
+    def set_least_sizes(self, sizes: FloatArray) -> None:
+        """Tell code that controls its steps the size that each state has at least."""
+        self._block[self._arrangement.regions["least.size"] + self._state_rows] = self._rows(sizes)
+
+    def worst_state(self) -> int:
+        """The state with the largest error in the last step."""
+        errors = self._block[self._arrangement.regions[Array.ERROR] + self._state_rows]
+        return int(np.argmax(errors[:, 0]))
 
     def _rows(self, values: FloatArray) -> FloatArray:
         return values.reshape(-1, self._lanes)
@@ -104,6 +116,8 @@ class Work:
             rows = self._rows(values)
             rows[...] = block[regions[region] : regions[region] + len(rows)]
         self._rows(memory.state)[...] = block[regions[Array.STATE] + self._state_rows]
+        if _SIZE in regions:
+            self._rows(memory.size)[...] = block[regions[_SIZE] + self._state_rows]
         if memory.guard.size:
             before = regions["guard.before"]
             self._rows(memory.guard)[...] = block[before : before + memory.guard.size]
@@ -193,6 +207,10 @@ class Control:
             memory, request, memory.integral_rows_taken, request.integral_period
         )
         words[Word.STEPS_TAKEN] = memory.steps_taken
+        numbers[Word.TOLERANCE] = request.tolerance
+        numbers[Word.NEXT_STEP] = memory.next_step
+        numbers[Word.LAST_ERROR] = memory.last_error
+        words[Word.STEPS_REJECTED] = memory.steps_rejected
         numbers[Word.FIRST_RATE :: 2] = periods
         words[Word.FIRST_RATE + 1 :: 2] = memory.samples_taken
         self.address = words.ctypes.data
@@ -204,6 +222,9 @@ class Control:
         memory.rows_taken = int(words[Word.ROWS_TAKEN])
         memory.integral_rows_taken = int(words[Word.INTEGRAL_ROWS_TAKEN])
         memory.steps_taken = int(words[Word.STEPS_TAKEN])
+        memory.next_step = float(self._numbers[Word.NEXT_STEP])
+        memory.last_error = float(self._numbers[Word.LAST_ERROR])
+        memory.steps_rejected = int(words[Word.STEPS_REJECTED])
         memory.samples_taken[:] = words[Word.FIRST_RATE + 1 :: 2]
 
     def outcome(self, memory: Memory, status: Status | None, failures: list[Failure], step: float) -> Outcome:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from propermodel.codegen.llvm_attempt import reserve_attempt, write_attempt
 from propermodel.codegen.llvm_events import reserve_events, write_events
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS, Writer
 from propermodel.codegen.llvm_implicit import reserve_implicit
@@ -21,6 +22,7 @@ from propermodel.codegen.machine import IntArray, Method
 from propermodel.codegen.program import Array, Program, Solve
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.codegen.rosenbrock import with_step_of
+from propermodel.codegen.tableaus import EXPLICIT_TABLEAUS
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,8 @@ def print_program(
     program: Program, method: Method, lanes: int = 1, most_instructions: int = MOST_INSTRUCTIONS
 ) -> Source:
     """The LLVM IR of a program; functions are cut into pieces of about `most_instructions`."""
+    if lanes > 1 and method.is_adaptive:
+        raise ValueError("a method that controls its step runs in one lane: every run has steps of its own")
     program = with_reciprocals(with_step_of(program, method))
     lengths = program.layout.lengths
     shape = Shape(lanes)
@@ -81,11 +85,14 @@ def print_program(
     module = Module(frame)
     Writer(module, program, most_instructions).write_program()
     write_common(module, count)
-    StepWriter(module, program, method, momentum_rows, count).write()
+    if method.is_adaptive:
+        write_attempt(module, program, EXPLICIT_TABLEAUS.get(method), count)
+    else:
+        StepWriter(module, program, method, momentum_rows, count).write()
     write_entries(module, program)
     if program.guards is not None:
-        write_events(module, program, count)
-    write_run(module, program)
+        write_events(module, program, method, count)
+    write_run(module, program, method)
     text = module.text() + "\n" + TABLE_FUNCTIONS
     rows = np.array([state_rows[i] for i in range(len(state_rows))], dtype=np.int64)
     return Source(text, Arrangement(lanes, frame.rows, frame.regions, dict(lengths), rows))
@@ -107,6 +114,8 @@ def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) ->
     frame.reserve("activity", program.layout.lengths.get(Array.POWER, 0))
     if program.implicit_step is not None:
         reserve_implicit(frame, program)
+    if method.is_adaptive:
+        reserve_attempt(frame, program, EXPLICIT_TABLEAUS.get(method), state_rows)
     if program.guards is not None:
         reserve_events(frame, program, state_rows)
     frame.reserve("trial", size)

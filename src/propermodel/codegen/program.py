@@ -29,6 +29,7 @@ class Array(StrEnum):
     STEP = "step"  # one entry: the length of the step that is being taken, s
     FACTOR = "factor"  # of the matrix of an implicit step, kept while it serves
     STAGE = "stage"  # what the stages of an implicit step hand on
+    ERROR = "error"  # estimate of the error of each state in a step
     WEAK = "weak"  # one entry: 1 + the first state whose equation in an implicit step is singular, or 0
     SWITCHING = "switching"  # of blocks with ideal switches: residuals and derivatives, from which weights follow
 
@@ -117,19 +118,23 @@ class ImplicitStep:
     """A step with linear equations, as functions that move STATE from stage to stage and at last to its end.
 
     `first` computes POWER at the beginning, FACTOR, WEAK and the first stage; `first_again` the same with the FACTOR
-    that is there. `later` are the other stages, at times `shares` of the step after its beginning. All read STEP.
+    that is there, where the method allows it. `later` are the other stages, at times `shares` of the step after its
+    beginning; the last one computes ERROR, if the method has an estimate. `middle` moves STATE to the middle of the
+    step that was taken. All read STEP.
     """
 
     first: Function
-    first_again: Function
+    first_again: Function | None
     later: tuple[Function, ...]
     shares: tuple[float, ...]
     start: tuple[Slot, ...]  # where each STATE of the beginning is kept
+    middle: Function | None = None
 
     @property
     def functions(self) -> tuple[Function, ...]:
         """Every function."""
-        return (self.first, self.first_again, *self.later)
+        optional = (function for function in (self.first_again, self.middle) if function is not None)
+        return (self.first, *self.later, *optional)
 
 
 @dataclass(frozen=True)

@@ -47,8 +47,13 @@ def with_reciprocals(program: Program) -> Program:
         return replace(function, steps=tuple(replaced(step) for step in function.steps))
 
     def replaced_step(step: ImplicitStep) -> ImplicitStep:
-        later = tuple(of(function) for function in step.later)
-        return replace(step, first=of(step.first), first_again=of(step.first_again), later=later)
+        return replace(
+            step,
+            first=of(step.first),
+            first_again=None if step.first_again is None else of(step.first_again),
+            later=tuple(of(function) for function in step.later),
+            middle=None if step.middle is None else of(step.middle),
+        )
 
     implicit = program.implicit_step
     return replace(

@@ -11,14 +11,14 @@ POWER is computed at the beginning of the step only: stages may lie far beside t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from propermodel.codegen.machine import Method
 from propermodel.codegen.program import Array, Assign, Function, ImplicitStep, Program, Slot, Solve
 from propermodel.codegen.sparse_lu import SparseFactors, factorise
 from propermodel.codegen.state_jacobian import StateJacobian, state_jacobian
+from propermodel.codegen.tableaus import TABLEAUS, Tableau
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import (
     ZERO,
@@ -34,36 +34,7 @@ from propermodel.expressions.core import (
     where,
 )
 
-
-@dataclass(frozen=True)
-class Tableau:
-    """The coefficients of a method of two stages or more; `a` and `c` have a row for each stage after the first."""
-
-    gamma: float
-    a: tuple[tuple[float, ...], ...]
-    c: tuple[tuple[float, ...], ...]
-    m: tuple[float, ...]
-    alpha: tuple[float, ...]
-    drift: tuple[float, ...]  # g_i
-
-
-_GAMMA = 1.0 - math.sqrt(0.5)
-_WEIGHT = 0.75  # of the second stage, which then is at two thirds of the step: what depends on time alone has order 3
-
-# Verwer, Spee, Blom and Hundsdorfer, A second-order Rosenbrock method applied to photochemical dispersion problems,
-# SIAM J. Sci. Comput. 20 (1999): of order 2 with any matrix in the place of J, L-stable with J itself, for any weight.
-ROS2 = Tableau(
-    gamma=_GAMMA,
-    a=((0.5 / (_WEIGHT * _GAMMA),),),
-    c=((-1.0 / (_WEIGHT * _GAMMA),),),
-    m=((2.0 - _WEIGHT) / _GAMMA, _WEIGHT / _GAMMA),
-    alpha=(0.0, 0.5 / _WEIGHT),
-    drift=(_GAMMA, _GAMMA - _GAMMA / _WEIGHT),
-)
-
 STEP = symbol(SymbolKind.TIME, Path(("step",)), "s")
-
-TABLEAUS: Mapping[Method, Tableau] = {Method.ROS2: ROS2}
 
 
 def with_step_of(program: Program, method: Method) -> Program:
@@ -95,14 +66,18 @@ class _Builder:
         kept = factors.mapped(lambda entry: keeping.get(entry, entry))
         start = self._new(Array.STAGE, self._states)
         drift = dict(zip(jacobian.drift, self._new(Array.STAGE, jacobian.drift.values()), strict=True))
-        solutions = [self._new(Array.STAGE, self._states) for _ in self._tableau.a]
+        handed_on = self._tableau.m if self._tableau.middle else self._tableau.a
+        solutions = [self._new(Array.STAGE, self._states) for _ in handed_on]
         stores = [*self._stores(keeping), Assign(Slot(Array.WEAK, 0), is_weak)]
         step = ImplicitStep(
             first=self._first("first_stage", factors, jacobian, start, drift, solutions[0], stores),
-            first_again=self._first("first_stage_again", kept, jacobian, start, drift, solutions[0], []),
+            first_again=self._first("first_stage_again", kept, jacobian, start, drift, solutions[0], [])
+            if self._tableau.takes_any_matrix
+            else None,
             later=tuple(self._later(i, kept, start, drift, solutions) for i in range(1, len(self._tableau.m))),
             shares=self._tableau.alpha[1:],
             start=tuple(self._slots[leaf] for leaf in start),
+            middle=self._middle(start, solutions) if self._tableau.middle else None,
         )
         layout = replace(
             program.layout,
@@ -195,20 +170,42 @@ class _Builder:
         for i in range(self._size):
             for factor, earlier in zip(per_step, solutions[:stage], strict=True):
                 right[i] = subtract(right[i], multiply(factor, earlier[i]))
-        for i, leaf in drift.items():
-            right[i] = right[i] + multiply(multiply(tableau.drift[stage], STEP), leaf)
+        if tableau.drift[stage]:
+            for i, leaf in drift.items():
+                right[i] = right[i] + multiply(multiply(tableau.drift[stage], STEP), leaf)
         found = factors.solve(right)
-        is_last = stage == len(solutions)
-        weights = tableau.m if is_last else tableau.a[stage]
-        terms = list(zip(weights, [*solutions[:stage], found], strict=True))
+        is_last = stage == len(tableau.m) - 1
+        weights, before = tableau.m if is_last else tableau.a[stage], tableau.a[stage - 1]
+        every = [*solutions[:stage], found]
+        # A stage that stands at the end of the one before, and its solution added, begins where that one has led.
+        is_next = weights[:-1] == before
+        moved = (
+            self._moved(self._states, [(weights[-1], found)])
+            if is_next
+            else self._moved(start, list(zip(weights, every, strict=True)))
+        )
         return Function(
             f"stage_{stage}",
             (
                 *(step for step in self._program.rates.steps if isinstance(step, Solve)),
-                *(() if is_last else self._kept(solutions[stage], found)),
-                *self._moved(start, terms),
+                *(self._kept(solutions[stage], found) if stage < len(solutions) else ()),
+                *(self._errors(every) if is_last else ()),
+                *moved,
             ),
         )
+
+    def _errors(self, solutions: list[list[Expr]]) -> list[Assign]:
+        """ERROR, but for its sign."""
+        weighted = [pair for pair in zip(self._tableau.error, solutions, strict=False) if pair[0]]
+        if not weighted:
+            return []
+        self._counts[Array.ERROR] = self._size
+        values = [sum((multiply(w, solution[i]) for w, solution in weighted), ZERO) for i in range(self._size)]
+        return [Assign(Slot(Array.ERROR, i), value) for i, value in enumerate(values)]
+
+    def _middle(self, start: list[Expr], solutions: list[list[Expr]]) -> Function:
+        terms = list(zip(self._tableau.middle, solutions, strict=True))
+        return Function("middle", tuple(self._moved(start, terms)))
 
     def _rates(self) -> list[Expr]:
         rates = [ZERO] * self._size

@@ -184,7 +184,7 @@ class _Builder:
         directions = range(len(self._directions))
         return ImplicitStep(
             first=self._function(step.first),
-            first_again=self._function(step.first_again),
+            first_again=None if step.first_again is None else self._function(step.first_again),
             later=tuple(map(self._function, step.later)),
             shares=step.shares,
             start=(*step.start, *(self._beside(slot, k) for k in directions for slot in step.start)),

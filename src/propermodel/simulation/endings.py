@@ -91,6 +91,16 @@ def failed_ending(compiled: CompiledModel, failure: Failure, memory: Memory, bef
                 failure.time,
                 state.path,
             )
+        case Status.STEP_TOO_SMALL:
+            path = compiled.system.states[failure.index].path
+            why = singular_reason(compiled, memory)
+            return Ending(
+                RunStatus.FAILED,
+                f"stopped at {failure.time:.6g} s: no step is short enough for the tolerance, most of the error is in "
+                f"{path}; {why or 'is there a jump that should be an event, or a solution that has no end here?'}",
+                failure.time,
+                path,
+            )
         case Status.SINGULAR_STEP:
             path = compiled.system.states[failure.index].path
             return Ending(

@@ -28,6 +28,7 @@ from propermodel.simulation.groups import NO_ROWS, Settings, groups
 from propermodel.simulation.observables import observable_path
 from propermodel.simulation.side_by_side import LaneResults
 from propermodel.simulation.simulate import selected_entries
+from propermodel.simulation.stepping import DEFAULT_TOLERANCE, Stepping
 from propermodel.simulation.trajectory import Ending, Statistics
 
 
@@ -188,8 +189,9 @@ def simulate_many(
     scenarios: Iterable[Scenario],
     *,
     method: Method = Method.SEMI_IMPLICIT,
-    step: float = 2e-4,
+    step: float | None = None,
     jacobian_every: int = 1,
+    tolerance: float = DEFAULT_TOLERANCE,
     record: Iterable[Expr | Path | str] | None = None,
     record_every: float = NO_ROWS,
     lanes: int | None = None,
@@ -197,17 +199,19 @@ def simulate_many(
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Ensemble:
-    """Run a model once for each scenario, with a fixed step; nothing is compiled between them.
+    """Run a model once for each scenario; nothing is compiled between them.
 
     Scenarios that start and stop together and share their tables run side by side. Those whose inputs or tables differ
-    run in turn; so does every scenario of a model with events, which happen at instants of its own.
+    run in turn; so does every scenario of a model with events, which happen at instants of its own, and with a method
+    that controls its steps, which are each design's own.
 
     Args:
         compiled: The model.
         scenarios: One for each design, as from `designs(scenario, {"body.mass": masses})`.
         method: How a step is taken.
-        step: Largest step, s.
-        jacobian_every: How many steps of an implicit method may share one Jacobian.
+        step: Largest step, s; by default as for `simulate`.
+        jacobian_every: How many steps of the method ros2 may share one Jacobian.
+        tolerance: The error in one step as a share of each state, where the method controls its steps.
         record: Observables whose values are kept; by default all.
         record_every: Period of recording, s; by default only the values at the end are kept.
         lanes: How many designs run side by side; by default as many as a vector register of this machine holds.
@@ -227,9 +231,10 @@ def simulate_many(
         raise SimulationError.of(
             "simulation/designs", "there are no designs to simulate", help="give at least one scenario"
         )
+    stepping = Stepping(method, step, jacobian_every, tolerance)
     faults = Faults(SimulationError)
     for scenario in every:
-        faults.found.extend(faults_of_settings(scenario, step, record_every, NO_ROWS, jacobian_every))
+        faults.found.extend(faults_of_settings(scenario, stepping, record_every, NO_ROWS))
     faults.raise_if_any()
     windows = {(scenario.start, scenario.stop) for scenario in every}
     if len(windows) > 1 and record_every < NO_ROWS:
@@ -240,11 +245,11 @@ def simulate_many(
         )
     selected = selected_entries(compiled, record)
     before = time.perf_counter()
-    wide = 1 if compiled.system.events else (lanes or best_lanes(compiled.backend))
+    wide = 1 if compiled.system.events or method.is_adaptive else (lanes or best_lanes(compiled.backend))
     # Machines are made before threads ask for them.
     compiled.machine(method, 1 if len(every) == 1 else wide)
     build_s = time.perf_counter() - before
-    settings = Settings(compiled, method, step, jacobian_every, record_every, selected, wide)
+    settings = Settings(compiled, stepping, record_every, selected, wide)
     before = time.perf_counter()
     answers = _Answers(len(every))
     workers = threads or os.cpu_count() or 1
@@ -264,7 +269,7 @@ def simulate_many(
         compiled=compiled,
         scenarios=every,
         method=method,
-        step=step,
+        step=max(stepping.longest(record_every, scenario.stop - scenario.start) for scenario in every),
         lanes=wide,
         recorded={int(entry): column for column, entry in enumerate(selected)},
         statistics=Statistics(steps=answers.steps, wall_s=wall_s, build_s=build_s),

@@ -7,13 +7,14 @@ from collections.abc import Iterable, Iterator
 
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Path, Source
 from propermodel.modelling.model import Scenario, TableValues
+from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.table_store import TableStore
 
 
 def faults_of_settings(
-    scenario: Scenario, step: float, record_every: float, integrals_every: float, jacobian_every: int
+    scenario: Scenario, stepping: Stepping, record_every: float, integrals_every: float
 ) -> Iterator[Diagnostic]:
-    """A window, step or period that no run can have."""
+    """A window, step, tolerance or period that no run can have."""
     if not -math.inf < scenario.start < scenario.stop < math.inf:
         yield Diagnostic(
             "simulation/window",
@@ -21,23 +22,12 @@ def faults_of_settings(
             "start, both at finite times",
             help="give it a later stop: Scenario(stop=...)",
         )
-    if not 0.0 < step < math.inf:
-        yield Diagnostic(
-            "simulation/step",
-            f"the step is {step} s; it must be positive and finite",
-            help="give a step well below the shortest period or time constant: simulate(..., step=1e-3)",
-        )
+    yield from stepping.faults()
     if not (record_every > 0.0 and integrals_every > 0.0):
         yield Diagnostic(
             "simulation/period",
             f"rows are kept every {record_every:g} s, and integrals every {integrals_every:g} s; both must be positive",
             help="give the period of recording in seconds: simulate(..., record_every=0.1)",
-        )
-    if jacobian_every < 1:
-        yield Diagnostic(
-            "simulation/step",
-            f"{jacobian_every} steps shall share a Jacobian; it serves at least 1",
-            help="give a whole number: simulate(..., method=Method.ROS2, jacobian_every=4)",
         )
 
 

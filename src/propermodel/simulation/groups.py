@@ -16,7 +16,6 @@ from propermodel.codegen.machine import (
     FloatArray,
     IntArray,
     Memory,
-    Method,
     Request,
     TableData,
     instant,
@@ -27,6 +26,7 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.side_by_side import LaneResults, run_together
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.start import Start, start_of
+from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.table_store import TableStore
 
 NO_ROWS = float("inf")
@@ -46,7 +46,9 @@ class Group:
         if settings.compiled.system.events:
             return EventJob(settings, self.scenarios[0], self.starts[0])
         # The scenario itself stays here: its tables, which may be large, are in the memories.
-        return LaneJob(settings, self.scenarios[0].stop, tuple(start.memory for start in self.starts))
+        return LaneJob(
+            settings, self.scenarios[0].start, self.scenarios[0].stop, tuple(start.memory for start in self.starts)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +56,7 @@ class Settings:
     """What all groups have in common."""
 
     compiled: CompiledModel
-    method: Method
-    step: float
-    jacobian_every: int
+    stepping: Stepping
     record_every: float
     selected: IntArray
     lanes: int
@@ -67,20 +67,22 @@ class LaneJob:
     """Runs in the lanes of one machine."""
 
     settings: Settings
+    begin: float
     stop: float
     memories: tuple[Memory, ...]
 
     def __call__(self) -> LaneResults:
         """Run them."""
         settings = self.settings
-        machine = settings.compiled.machine(settings.method, settings.lanes if len(self.memories) > 1 else 1)
+        machine = settings.compiled.machine(settings.stepping.method, settings.lanes if len(self.memories) > 1 else 1)
         request = Request(
             until=self.stop,
-            step=settings.step,
+            step=settings.stepping.longest(settings.record_every, self.stop - self.begin),
             row_period=settings.record_every,
             selected=settings.selected,
             most_rows=MOST_ROWS_AT_ONCE,
-            jacobian_every=settings.jacobian_every,
+            jacobian_every=settings.stepping.jacobian_every,
+            tolerance=settings.stepping.tolerance,
         )
         return run_together(settings.compiled, machine, self.memories, request)
 
@@ -101,9 +103,10 @@ class EventJob:
         run = simulate(
             settings.compiled,
             scenario,
-            method=settings.method,
-            step=settings.step,
-            jacobian_every=settings.jacobian_every,
+            method=settings.stepping.method,
+            step=settings.stepping.step,
+            jacobian_every=settings.stepping.jacobian_every,
+            tolerance=settings.stepping.tolerance,
             record=[path for path, observable in known.items() if observable.index in entries],
             record_every=min(settings.record_every, scenario.stop - scenario.start),
             integrals_every=scenario.stop - scenario.start,
@@ -115,7 +118,7 @@ class EventJob:
             count = int((scenario.stop - scenario.start) / settings.record_every + SAME_INSTANT) + 1
             time = np.array([instant(scenario.start, k, settings.record_every) for k in range(count)])
             # The row after an event stands last among those of one instant.
-            last = np.searchsorted(run.time, time + SAME_INSTANT * settings.step, side="right") - 1
+            last = np.searchsorted(run.time, time + SAME_INSTANT * run.step, side="right") - 1
             order = [run.recorded[int(entry)] for entry in settings.selected]
             rows = np.where((time <= run.ending.time)[:, np.newaxis], run.columns[last][:, order], np.nan)
         end = np.nan if not run.ending.is_complete else 0.0

@@ -54,6 +54,7 @@ _OF_A_LANE = (
     "activity",
     "lower",
     "upper",
+    "size",
 )
 
 

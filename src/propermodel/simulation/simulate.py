@@ -26,6 +26,7 @@ from propermodel.simulation.observables import observable_path
 from propermodel.simulation.recording import FileStore, MemoryStore, Recording, RecordingStopped, stopped_ending
 from propermodel.simulation.stability import note_on_step
 from propermodel.simulation.start import Start, begin, start_of
+from propermodel.simulation.stepping import DEFAULT_TOLERANCE, Stepping
 from propermodel.simulation.stopping import add_guard, drop_guard, stopping
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, outside_tables
 from propermodel.simulation.trajectory_format import StoredProgress, header_of
@@ -63,8 +64,9 @@ def simulate(
     scenario: Scenario,
     *,
     method: Method = Method.SEMI_IMPLICIT,
-    step: float = 2e-4,
+    step: float | None = None,
     jacobian_every: int = 1,
+    tolerance: float = DEFAULT_TOLERANCE,
     record: Iterable[Expr | Path | str] | None = None,
     record_every: float = 0.1,
     record_to: FileName | None = None,
@@ -74,15 +76,18 @@ def simulate(
     start: Literal["declared", "equilibrium"] | Start = "declared",
     until: Expr | str | None = None,
 ) -> Trajectory:
-    """Run a scenario with a fixed step.
+    """Run a scenario.
 
     Args:
         compiled: The model.
         scenario: Inputs, initial values, parameter values and window.
         method: How a step is taken.
-        step: Largest step, s; it is shortened to meet samples of controllers and recording instants.
-        jacobian_every: How many steps of an implicit method may share one Jacobian. More are faster; the order stays,
+        step: Largest step, s, by default 0.2 ms; it is shortened to meet samples of controllers and recording instants.
+            A method that controls its steps needs none.
+        jacobian_every: How many steps of the method ros2 may share one Jacobian. More are faster; the order stays,
             but stiff parts that change quickly may no longer be damped. After the instants above there is a new one.
+        tolerance: The error in one step, as a share of the largest magnitude of each state so far, for a method that
+            controls its steps.
         record: Observables to record; by default all.
         record_every: Period of recording, s.
         record_to: A file, by convention ending in `.npz`, to which rows go as they are made, so that memory stays
@@ -103,8 +108,9 @@ def simulate(
     Raises:
         SimulationError: the scenario or an observable does not fit the model.
     """
+    stepping = Stepping(method, step, jacobian_every, tolerance)
     faults = Faults(SimulationError)
-    faults.found.extend(faults_of_settings(scenario, step, record_every, integrals_every, jacobian_every))
+    faults.found.extend(faults_of_settings(scenario, stepping, record_every, integrals_every))
     selected = np.zeros(0, dtype=np.int64)
     with faults.collecting():
         selected = selected_entries(compiled, record)
@@ -118,12 +124,13 @@ def simulate(
         with faults.collecting():
             begin(compiled, scenario)
     faults.raise_if_any()
+    longest = stepping.longest(record_every, integrals_every, scenario.stop - scenario.start)
     machine = run_model.machine(method)
     build_s = time.perf_counter() - before
     if continued_from is None:
         begun = _begun(compiled, scenario, start)
         memory, notes = begun.memory, begun.notes
-        note = note_on_step(compiled, memory, method, step, scenario.stop - scenario.start)
+        note = note_on_step(compiled, memory, method, longest, scenario.stop - scenario.start)
         notes = notes if note is None else (*notes, note)
     else:
         memory, notes = _continue(compiled, scenario, continued_from), continued_from.notes
@@ -133,36 +140,33 @@ def simulate(
     start_signals = machine.observe(memory) if continued_from is None else continued_from.start_signals
     request = Request(
         until=scenario.stop,
-        step=step,
+        step=longest,
         row_period=record_every,
         integral_period=integrals_every,
         selected=selected,
         most_rows=2000,
         most_ticks=200,
         jacobian_every=jacobian_every,
+        tolerance=tolerance,
     )
     before = time.perf_counter()
     earlier = () if continued_from is None else continued_from.events
     powers = len(compiled.lowered.powers)
+    taken = replace(stepping, step=longest)
     with ExitStack() as files:
         store = (
             MemoryStore(scenario.stop - memory.time, record_every, len(selected), integrals_every, powers)
             if record_to is None
-            else FileStore(
-                record_to,
-                header_of(compiled, scenario, selected, notes, method, step, jacobian_every),
-                len(selected),
-                files,
-            )
+            else FileStore(record_to, header_of(compiled, scenario, selected, notes, taken), len(selected), files)
         )
         recording = Recording(store, selected, memory.copy())
-        events = Events(run_model, machine, step, recording.keep_signals, earlier, is_stopping=until is not None)
+        events = Events(run_model, machine, longest, recording.keep_signals, earlier, is_stopping=until is not None)
 
         def stand() -> StoredProgress:
-            statistics = Statistics(memory.steps_taken, time.perf_counter() - before, build_s)
+            wall_s = time.perf_counter() - before
             return StoredProgress(
                 time=memory.time,
-                statistics=statistics,
+                statistics=Statistics(memory.steps_taken, wall_s, build_s, memory.steps_rejected),
                 events=events.records,
                 outside_tables=outside_tables(compiled, memory),
             )
@@ -175,8 +179,9 @@ def simulate(
         compiled=compiled,
         scenario=scenario,
         method=method,
-        step=step,
+        step=longest,
         jacobian_every=jacobian_every,
+        tolerance=tolerance,
         signals=recorded.signals,
         recorded={int(entry): column for column, entry in enumerate(selected)},
         power_integrals=recorded.integrals,

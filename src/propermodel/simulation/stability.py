@@ -65,7 +65,7 @@ def step_limit(
 
 def note_on_step(compiled: CompiledModel, memory: Memory, method: Method, step: float, window: float) -> str | None:
     """What to say where a step is too long at the start of a run; nothing about large models."""
-    if method is Method.ROS2 or len(compiled.system.states) > MOST_STATES:
+    if method.is_implicit or method.is_adaptive or len(compiled.system.states) > MOST_STATES:
         return None
     try:
         limit = _limit(compiled, memory, method, window, longest=step)
@@ -84,7 +84,7 @@ def _limit(
     point = Point(compiled.system, compiled.lowered, memory)
     matrix = point.matrix([state.derivative for state in states], [state.symbol for state in states])
     free = StepLimit(method, math.inf, 0.0, Path())
-    if method is Method.ROS2 or not matrix.size or not np.isfinite(matrix).all():
+    if method.is_implicit or not matrix.size or not np.isfinite(matrix).all():
         return free
     rates = np.linalg.eigvals(matrix)
     own = max(0.0, float(rates.real.max()))
@@ -97,7 +97,7 @@ def _limit(
     fastest = max((float(abs(rate)) for rate in rates if rate.real <= 0.0), default=0.0)
     if not fastest:
         return free
-    # No explicit method here is stable with twice as much for a real or an imaginary eigenvalue.
+    # No explicit method here is stable with so much for a real or an imaginary eigenvalue.
     high = longest or 6.0 / fastest
     if is_stable(high):
         return free
@@ -129,6 +129,8 @@ def _amplification(matrix: FloatArray, method: Method, layout: Layout) -> Callab
         match method:
             case Method.RK4:
                 return unit + change @ (unit + change @ (unit + change @ (unit + change / 4.0) / 3.0) / 2.0)
+            case Method.DOPRI5:
+                return unit + _polynomial(change, _DOPRI5_GROWTH)
             case Method.SEMI_IMPLICIT:
                 first = unit + momenta[:, np.newaxis] * change
                 return first + displacements[:, np.newaxis] * (change @ first) + others[:, np.newaxis] * change
@@ -136,3 +138,15 @@ def _amplification(matrix: FloatArray, method: Method, layout: Layout) -> Callab
                 return unit + change
 
     return amplify
+
+
+# The coefficients of R(z) - 1, lowest power first: those of the exponential up to order 5.
+_DOPRI5_GROWTH = (1.0, 1 / 2, 1 / 6, 1 / 24, 1 / 120, 1 / 600)
+
+
+def _polynomial(matrix: FloatArray, coefficients: tuple[float, ...]) -> FloatArray:
+    """The sum of coefficients times powers of a matrix, from the first power on."""
+    total = np.zeros_like(matrix)
+    for coefficient in reversed(coefficients):
+        total = matrix @ (total + coefficient * np.eye(len(matrix)))
+    return total

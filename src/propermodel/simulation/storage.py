@@ -43,6 +43,7 @@ class StoredTrajectory:
     method: Method
     step: float
     jacobian_every: int
+    tolerance: float
     units: Mapping[Path, str]
     ending: Ending
     statistics: Statistics
@@ -166,6 +167,7 @@ def save_trajectory(
         method=trajectory.method,
         step=trajectory.step,
         jacobian_every=trajectory.jacobian_every,
+        tolerance=trajectory.tolerance,
         notes=trajectory.notes,
         columns=tuple((path, trajectory.unit(path), place[trajectory.column_of(path)]) for path in chosen),
         powers=tuple((power.kind, power.path) for power in trajectory.compiled.lowered.powers),
@@ -215,6 +217,7 @@ def load_trajectory(file: FileName, *, limits: Limits = LIMITS) -> StoredTraject
         method=header.method,
         step=header.step,
         jacobian_every=header.jacobian_every,
+        tolerance=header.tolerance,
         units={path: unit for path, unit, _ in header.columns},
         ending=run.ending,
         statistics=progress.statistics,

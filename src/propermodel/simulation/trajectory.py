@@ -22,6 +22,7 @@ from propermodel.simulation.export import to_csv, to_pandas, to_xarray
 from propermodel.simulation.observables import observable_path
 from propermodel.simulation.overview import Overview, make_overview
 from propermodel.simulation.series import ArraySeries, Series
+from propermodel.simulation.stepping import Stepping
 
 NOWHERE = Path()
 
@@ -73,6 +74,7 @@ class Statistics:
     steps: int
     wall_s: float
     build_s: float
+    rejected: int = 0  # steps that were too inaccurate, and taken again shorter
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,7 @@ class Trajectory:
     method: Method
     step: float
     jacobian_every: int  # steps that an implicit method takes with one Jacobian
+    tolerance: float  # of a method that controls its steps
     signals: Series  # recorded entries over time
     recorded: Mapping[int, int]  # entry of the program's signals: column
     power_integrals: Series  # of power and then of its absolute value, over `integral_times`
@@ -272,10 +275,21 @@ class Trajectory:
         speed = (self.ending.time - self.scenario.start) / max(self.statistics.wall_s, 1e-9)
         head = (
             f"{self.compiled.model.name}, scenario {self.scenario.name}: {self.ending.message}; "
-            f"{self.statistics.steps} steps of {self.step:g} s ({self.method}) in {self.statistics.wall_s:.2f} s, "
+            f"{self._steps()} in {self.statistics.wall_s:.2f} s, "
             f"{speed:.0f} times real time"
         )
         return "\n".join([head, *(f"  note: {note}" for note in self.notes)])
+
+    def _steps(self) -> str:
+        if not self.method.is_adaptive:
+            return f"{self.statistics.steps} steps of {self.step:g} s ({self.method})"
+        rejected = f", {self.statistics.rejected} more rejected" if self.statistics.rejected else ""
+        return f"{self.statistics.steps} steps ({self.method}, tolerance {self.tolerance:g}{rejected})"
+
+    @property
+    def stepping(self) -> Stepping:
+        """How it took its steps."""
+        return Stepping(self.method, self.step, self.jacobian_every, self.tolerance)
 
 
 def outside_tables(compiled: CompiledModel, memory: Memory) -> tuple[TableUse, ...]:

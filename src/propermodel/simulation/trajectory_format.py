@@ -31,6 +31,7 @@ from propermodel.modelling.schema import (
     record,
     together,
 )
+from propermodel.simulation.stepping import DEFAULT_TOLERANCE, Stepping
 from propermodel.simulation.trajectory import Ending, EventRecord, RunStatus, Statistics, TableUse
 
 T = TypeVar("T")
@@ -51,6 +52,7 @@ class Header:
     scenario: Scenario
     model: Model
     jacobian_every: int = 1
+    tolerance: float = DEFAULT_TOLERANCE
     notes: tuple[str, ...] = ()
 
 
@@ -59,17 +61,16 @@ def header_of(
     scenario: Scenario,
     selected: IntArray,
     notes: tuple[str, ...],
-    method: Method,
-    step: float,
-    jacobian_every: int,
+    stepping: Stepping,
 ) -> Header:
     """The header of a run of which these entries of the program's signals are recorded, one in each column."""
     place = {int(entry): column for column, entry in enumerate(selected)}
     known = compiled.lowered.observables
     return Header(
-        method=method,
-        step=step,
-        jacobian_every=jacobian_every,
+        method=stepping.method,
+        step=stepping.longest(),
+        jacobian_every=stepping.jacobian_every,
+        tolerance=stepping.tolerance,
         notes=notes,
         columns=tuple((path, seen.unit, place[seen.index]) for path, seen in known.items() if seen.index in place),
         powers=tuple((power.kind, power.path) for power in compiled.lowered.powers),
@@ -116,6 +117,7 @@ HEADER = record(
     method=choice(Method),
     step=FINITE,
     jacobian_every=COUNT,
+    tolerance=FINITE,
     notes=many(TEXT),
     columns=many(together(_NAMES, TEXT, COUNT)),
     powers=many(together(TEXT, _NAMES)),
@@ -126,7 +128,7 @@ HEADER = record(
 PROGRESS = record(
     StoredProgress,
     time=_ANY_NUMBER,
-    statistics=record(Statistics, steps=COUNT, wall_s=FINITE, build_s=FINITE),
+    statistics=record(Statistics, steps=COUNT, wall_s=FINITE, build_s=FINITE, rejected=COUNT),
     events=many(record(EventRecord, time=FINITE, element=_NAMES, energy_before=_ANY_NUMBER, energy_after=_ANY_NUMBER)),
     outside_tables=many(record(TableUse, path=_NAMES, seconds=FINITE)),
     ending=optional(record(Ending, status=choice(RunStatus), message=TEXT, time=_ANY_NUMBER, path=_NAMES)),
