@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 
 from propermodel.expressions.core import (
     ONE,
@@ -107,6 +108,12 @@ def partial_derivatives(roots: Iterable[Expr], wrt: Iterable[Expr]) -> list[Tang
         tangents = [known[arg] for arg in node.args]
         known[node] = _combine(node, tangents) if any(tangents) else {}
     return [known[root] for root in roots]
+
+
+@lru_cache(maxsize=1024)
+def kept_derivatives(roots: tuple[Expr, ...], wrt: tuple[Expr, ...]) -> tuple[Tangent, ...]:
+    """The same, kept for those who ask again, as every design of a model does; not to be changed."""
+    return tuple(partial_derivatives(roots, wrt))
 
 
 def combine_tangents(node: Expr, tangents: Sequence[Sequence[Expr]]) -> tuple[Expr, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 
 from propermodel.diagnostics import ModelError
 from propermodel.expressions.core import Expr, Op, postorder
@@ -73,14 +74,20 @@ def interpret(expr: Expr, values: Mapping[Expr, float] | None = None) -> float:
     Raises:
         ModelError: a symbol has no value.
     """
-    return interpret_all([expr], values)[0]
+    return expr.data[0] if expr.op is Op.CONSTANT else interpret_all([expr], values)[0]
+
+
+@lru_cache(maxsize=4096)
+def _order(exprs: tuple[Expr, ...]) -> tuple[Expr, ...]:
+    """The order in which expressions are computed; kept, as many designs ask for the same with other numbers."""
+    return tuple(postorder(exprs))
 
 
 def interpret_all(exprs: Sequence[Expr], values: Mapping[Expr, float] | None = None) -> list[float]:
     """The values of several expressions that share parts."""
     given = {} if values is None else values
     known: dict[Expr, float] = {}
-    for node in postorder(exprs):
+    for node in _order(tuple(exprs)):
         if node in given:
             known[node] = given[node]
         elif node.op is Op.CONSTANT:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -27,15 +28,22 @@ def evaluate(exprs: Sequence[Expr], given: Mapping[Expr, float], tables: Mapping
     Raises:
         ModelError: a symbol has no value.
     """
+    look_ups = _look_ups(tuple(exprs))
+    if not look_ups:
+        return interpret_all(exprs, given)
     known = dict(given)
-    for node in postorder(exprs):
-        if node.op not in (Op.LOOKUP, Op.SLOPE):
-            continue
+    for node in look_ups:
         known[node.args[0]] = 0.0
         at = interpret_all(node.args[1:], known)
         table = tables.get(node.args[0].data.path)
         known[node] = 0.0 if table is None else _interpolated(table, at, node.data if node.op is Op.SLOPE else None)
     return interpret_all(exprs, known)
+
+
+@lru_cache(maxsize=1024)
+def _look_ups(exprs: tuple[Expr, ...]) -> tuple[Expr, ...]:
+    """The look-ups below some expressions, arguments first."""
+    return tuple(node for node in postorder(exprs) if node.op in (Op.LOOKUP, Op.SLOPE))
 
 
 def has_all(expr: Expr, given: Mapping[Expr, float], tables: Mapping[Path, HeldTable]) -> bool:

@@ -17,7 +17,7 @@ from propermodel.codegen.machine import FloatArray
 from propermodel.diagnostics import Path, SimulationError
 from propermodel.equations.system import DependentStorage, EquationSystem
 from propermodel.expressions.core import Expr, SymbolKind, leaves
-from propermodel.expressions.derivatives import partial_derivatives
+from propermodel.expressions.derivatives import kept_derivatives
 from propermodel.modelling.model import Storage
 from propermodel.simulation.evaluate import HeldTable, evaluate, has_all
 from propermodel.simulation.zeros import zero_parameters
@@ -129,7 +129,7 @@ def _merged(block: list[DependentStorage], known: Mapping[Path, Values], starts:
     states = list(dict.fromkeys(state for found in factors for state in found))
     gain = np.array([[found.get(state, 0.0) for found in factors] for state in states])
     stored = [dependent.stored for dependent in block]
-    slopes = [slope.get(s) for slope in partial_derivatives(stored, states) for s in states]
+    slopes = [slope.get(s) for slope in kept_derivatives(tuple(stored), tuple(states)) for s in states]
     declared = np.array([starts.values[dependent.symbol] for dependent in block])
     before = np.array([starts.values[state] for state in states])
     level = starts.at(stored, {})

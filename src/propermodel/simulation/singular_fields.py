@@ -17,7 +17,7 @@ from propermodel.diagnostics import Diagnostic, Path
 from propermodel.equations.fields import causality_of, state_symbol
 from propermodel.equations.system import EquationSystem
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, leaves
-from propermodel.expressions.derivatives import partial_derivatives
+from propermodel.expressions.derivatives import kept_derivatives
 from propermodel.modelling.model import Storage
 from propermodel.simulation.evaluate import HeldTable, evaluate, has_all
 
@@ -51,7 +51,7 @@ def _is_regular(
     states = [state_symbol(element, coordinate) for coordinate in storage.coordinates]
     ports = [port for port, _ in storage.stored]
     laws = [*dict(storage.stored).values(), *(dict(storage.outputs)[port] for port in ports)]
-    slopes = [p.get(state, ZERO) for p in partial_derivatives(laws, states) for state in states]
+    slopes = [p.get(state, ZERO) for p in kept_derivatives(tuple(laws), tuple(states)) for state in states]
     parameters = [leaf for leaf in leaves(*slopes) if leaf.data.kind is SymbolKind.PARAMETER]
     nudged = {p: values[p] * (1.0 + NUDGE * np.cos(1.0 + 2.0 * i)) for i, p in enumerate(parameters)}
     found = np.array(evaluate(slopes, values, tables))
