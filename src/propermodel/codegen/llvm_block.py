@@ -72,6 +72,20 @@ class Block:
             result = self._operation(node, args, text)
         self.values[node] = Value(result, node.is_condition, is_uniform)
 
+    def compute_together(self, nodes: tuple[Expr, ...]) -> None:
+        """Compute nodes of one elementary function, whose arguments are available, in one lane each."""
+        wide = self.text.in_shape(Shape(1 << (len(nodes) - 1).bit_length()))
+        filled = [nodes[min(lane, len(nodes) - 1)] for lane in range(wide.shape.lanes)]
+        arguments: list[str] = []
+        for place in range(len(nodes[0].args)):
+            argument = "poison"
+            for lane, node in enumerate(filled):
+                argument = wide.with_part(argument, self.number(node.args[place]), lane)
+            arguments.append(argument)
+        results = call_math(wide, _MATH[nodes[0].op], *arguments)
+        for lane, node in enumerate(nodes):
+            self.values[node] = Value(wide.part(results, lane))
+
     def _outer(self, node: Expr) -> Value:
         if node.op is Op.CONSTANT:
             return Value(literal(node.data[0]), is_uniform=True)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from propermodel.codegen.llvm_block import Block
+from propermodel.codegen.llvm_bundles import Bundle, bundled
 from propermodel.codegen.llvm_newton import write_newton
 from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Module
 from propermodel.codegen.program import Array, Function, Program
@@ -35,7 +36,7 @@ class StoreRow:
     value: Expr
 
 
-Item = Expr | StoreRow | Call
+Item = Expr | StoreRow | Call | Bundle
 
 
 @dataclass
@@ -119,6 +120,8 @@ class Writer:
 
         What is rarely called is compiled fast rather than well: most of a large model's code observes.
         """
+        if self.module.frame.shape.lanes == 1:
+            items = list(bundled(items, Call))
         pieces = self._cut(items)
         pieces[-1].late.extend(late)
         rows = {**rows, **self._crossing(pieces)}
@@ -136,7 +139,7 @@ class Writer:
     def _cut(self, items: list[Item]) -> list[Piece]:
         pieces = [Piece()]
         for item in items:
-            weight = _WEIGHTS.get(item.op, 1) if isinstance(item, Expr) else 1
+            weight = sum(_WEIGHTS.get(node.op, 1) for node in _nodes_of(item)) or 1
             piece = pieces[-1]
             if piece.weight + weight > self.most_instructions and piece.items:
                 piece = Piece()
@@ -156,12 +159,12 @@ class Writer:
 
         for k, piece in enumerate(pieces):
             for item in (*piece.items, *piece.late):
-                if isinstance(item, Expr):
-                    home[item] = k
-                    use(item.args, k)
-                elif isinstance(item, StoreRow):
+                for node in _nodes_of(item):
+                    home[node] = k
+                    use(node.args, k)
+                if isinstance(item, StoreRow):
                     use((item.value,), k)
-                else:
+                elif isinstance(item, Call):
                     use(item.captures, -1)  # read by the residuals, which are functions of their own
         return rows
 
@@ -171,13 +174,16 @@ class Writer:
         for item in piece.items:
             if isinstance(item, Expr):
                 block.compute(item)
-                if item in rows:
-                    text.store_row(rows[item], block.number(item))
+            elif isinstance(item, Bundle):
+                block.compute_together(item.nodes)
             elif isinstance(item, StoreRow):
                 text.store_row(item.row, block.number(item.value))
             else:
                 self._write_solve(f"{name}.solve{item.number}", item, rows)
                 text.do(f"call void @{name}.solve{item.number}({PASSED})")
+            for node in _nodes_of(item):
+                if node in rows:
+                    text.store_row(rows[node], block.number(node))
         values = [block.number(store.value) for store in piece.late]
         for store, value in zip(piece.late, values, strict=True):
             text.store_row(store.row, value)
@@ -204,3 +210,8 @@ class Writer:
             alone += [StoreRow(residual + i, root) for i, root in enumerate(solve.residuals)]
             self.write(f"{name}.check", alone, {**rows, **at_trial})
         write_newton(self.module, name, call)
+
+
+def _nodes_of(item: Item) -> tuple[Expr, ...]:
+    """The nodes that an item computes."""
+    return (item,) if isinstance(item, Expr) else item.nodes if isinstance(item, Bundle) else ()
