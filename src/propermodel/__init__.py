@@ -108,6 +108,7 @@ if TYPE_CHECKING:
     from propermodel.equations.readable import ReadableEquations, state_equations
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.plan import Reduction, plan_reduction
+    from propermodel.reduction.prediction import PredictedError, Prediction, predict_errors
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
     from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
@@ -133,6 +134,8 @@ _WHEN_USED = {
     "Modes": "analysis.modes",
     "ReadableEquations": "equations.readable",
     "Reduction": "reduction.plan",
+    "PredictedError": "reduction.prediction",
+    "Prediction": "reduction.prediction",
     "ReductionStudy": "report.study",
     "Sensitivities": "analysis.sensitivities",
     "StudyOptions": "report.study",
@@ -150,6 +153,7 @@ _WHEN_USED = {
     "linearise": "analysis.linearise",
     "load_trajectory": "simulation.storage",
     "plan_reduction": "reduction.plan",
+    "predict_errors": "reduction.prediction",
     "rank_activity": "analysis.activity",
     "read_model": "modelling.documents",
     "read_scenario": "modelling.documents",
@@ -292,6 +296,9 @@ __all__ = [
     "energy_balance",
     "EnergyBalance",
     # reduction
+    "predict_errors",
+    "Prediction",
+    "PredictedError",
     "plan_reduction",
     "Reduction",
     "Removal",

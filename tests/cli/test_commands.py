@@ -143,16 +143,16 @@ def test_a_condition_ends_a_run():
     assert "did you mean 'body.flange.flow'?" in done.output
 
 
-def test_activity_prints_the_ranking_with_its_check():
-    printed = succeed("activity", MODEL, "--step", "0.001")
+def test_rank_prints_the_ranking_with_its_check():
+    printed = succeed("rank", MODEL, "--step", "0.001")
     rows = [line.split()[0] for line in printed.splitlines()[2:8]]
     assert rows[0] == "suspension.spring"
     assert rows[-1] == "tyre.damper"
     assert "at a step of 0.0005 s instead of 0.001 s indices change by at most" in printed
 
 
-def test_activity_of_a_window_and_without_a_check():
-    report = json.loads(succeed("activity", MODEL, "--window", 2, 5, "--no-refine", "--json"))
+def test_rank_of_a_window_and_without_a_check():
+    report = json.loads(succeed("rank", MODEL, "--window", 2, 5, "--no-refine", "--json"))
     assert report["window_s"] == [2.0, 5.0]
     assert report["discretisation_check_points"] is None
     assert sum(element["index"] for element in report["elements"]) == pytest.approx(1.0)

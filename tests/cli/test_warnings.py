@@ -20,7 +20,7 @@ FIRST = "warning[structure/disconnected]: two_rooms is in two parts that do not 
         ("check", MODEL),
         ("show", MODEL, "--causality"),
         ("run", MODEL, "--json"),
-        ("activity", MODEL),
+        ("rank", MODEL),
         ("linearise", MODEL),
         ("reduce", MODEL, "--until", "2", "--out", "OUT"),
     ],

@@ -42,6 +42,7 @@ from propermodel import (
     simulate,
 )
 from propermodel.library.electrical import ConstantVoltage, CoupledInductors, Ground, IdealDiode, Resistor
+from propermodel.library.mechanics.translation import ConstantVelocity
 from propermodel.modelling.model import Variable
 from tests.faults.case import Case
 from tests.parts import Fixed, Mass, SpringDamper
@@ -263,6 +264,33 @@ def without(*removals: pm.Removal) -> object:
     return compile_model(quarter().model.without(removals))
 
 
+class Throttle(Resistance):
+    """Something whose force rises with the power 0.7 of the speed: its slope is infinite at rest."""
+
+    flange = Port(Translation)
+
+    def effort(self, flow: Expr) -> Expr:
+        return pm.quantity(1.0, "N") * (abs(flow) / pm.quantity(1.0, "m/s")) ** 0.7
+
+
+class Throttled(Quarter):
+    """A quarter car with a throttle in which nothing ever moves."""
+
+    still = ConstantVelocity(velocity=0.0)
+    throttle = Throttle()
+    skyhook = SpringDamper(stiffness=1.0, damping=1.0)
+    connections = (
+        *Quarter.connections,
+        connect(still.flange, throttle.flange, skyhook.a),
+        connect(skyhook.b, Quarter.body.flange),
+    )
+
+
+def infinite_slope() -> object:
+    compiled = pm.compile_model(pm.elaborate(Throttled()))
+    return pm.predict_errors(simulate(compiled, STEP, step=1e-3), ["body.flange.flow"])
+
+
 class Coupling(MultiportResistance):
     """A field: two dampers that act on each other."""
 
@@ -461,6 +489,13 @@ CASES = (
         run=lambda: planned(protected=["body.flange.flw"]),
         names=("body.flange.flw",),
         cure="did you mean 'body.flange.flow'?",
+    ),
+    Case(code="reduction/prediction", run=infinite_slope, names=("throttle",), cure="by simulation"),
+    Case(
+        code="reduction/constant-output",
+        run=lambda: pm.predict_errors(run(), ["body.flange.flow", "road.flow"]),
+        names=("road.flow",),
+        cure="an output that moves",
     ),
     Case(
         code="reduction/unknown-removal",

@@ -6,12 +6,12 @@ from typing import Annotated
 
 import typer
 
-from propermodel.cli.activity import activity
 from propermodel.cli.cache import cache
 from propermodel.cli.check import check
 from propermodel.cli.demo import demo
 from propermodel.cli.faults import Commands
 from propermodel.cli.linearise import linearise
+from propermodel.cli.rank import rank
 from propermodel.cli.reduce import reduce
 from propermodel.cli.run import run
 from propermodel.cli.sensitivities import sensitivities
@@ -39,7 +39,7 @@ def common(
 
 app.command()(reduce)
 app.command()(run)
-app.command()(activity)
+app.command()(rank)
 app.command()(linearise)
 app.command()(sensitivities)
 app.command()(show)

@@ -12,6 +12,7 @@ from rich.text import Text
 from propermodel.analysis.activity import ActivityRanking
 from propermodel.analysis.comparison import Comparison
 from propermodel.reduction.plan import Reduction, Verdict
+from propermodel.reduction.prediction import Prediction
 from propermodel.report.study import ReductionStudy
 from propermodel.report.summary import removal_text
 
@@ -73,6 +74,25 @@ def ranking_table(ranking: ActivityRanking) -> Table:
             f"{row.index:.3%}",
             f"{row.cumulative:.3%}",
         )
+    return made
+
+
+def prediction_table(prediction: Prediction, ranking: ActivityRanking) -> Table:
+    """What the best way to remove each row would change, with its activity beside."""
+    outputs = [str(path) for path in prediction.outputs]
+    made = table(
+        "Predicted change of outputs if one element is removed, rms over the range of the output",
+        "element",
+        "replaced by",
+        "index",
+        *outputs,
+        right=("index", *outputs),
+    )
+    indices = {row.path: row.index for row in ranking.rows}
+    for row in prediction.rows():
+        errors = ["-" for _ in outputs] if row.best is None else [f"{e:.3%}" for e in row.best.errors.values()]
+        index = f"{indices[row.row]:.3%}" if row.row in indices else "-"
+        made.add_row(plain(row.row), "nothing can" if row.best is None else row.best.meaning, index, *errors)
     return made
 
 

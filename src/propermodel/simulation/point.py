@@ -8,21 +8,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from propermodel.codegen.lower import Lowered
 from propermodel.codegen.machine import FloatArray, Memory
-from propermodel.codegen.numeric import Number, interpolate, newton, operation_of
-from propermodel.codegen.program import Array, Extrapolation, Function, Solve
+from propermodel.codegen.numeric import Number, newton
+from propermodel.codegen.program import Function, Solve
 from propermodel.codegen.schedule import Call, leaf_slot, number_solves, sequence
-from propermodel.codegen.tables import prepare_tables
 from propermodel.diagnostics import SimulationError
 from propermodel.equations.system import EquationSystem
 from propermodel.expressions.core import Expr, Op
 from propermodel.expressions.derivatives import local_partials
+from propermodel.simulation.evaluation import Evaluation, missing
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -54,14 +54,7 @@ class Point:
         self.time = memory.time
         self.unknown: FloatArray = memory.unknown.copy()
         self._layout = program.layout
-        self._tables = prepare_tables(program, memory.tables)
-        self._arrays: Mapping[Array, FloatArray] = {
-            Array.TIME: np.array([memory.time]),
-            Array.STATE: memory.state.copy(),
-            Array.DISCRETE: memory.discrete,
-            Array.PARAMETER: memory.parameter,
-            Array.UNKNOWN: self.unknown,
-        }
+        self._evaluation = Evaluation(lowered, replace(memory, state=memory.state.copy(), unknown=self.unknown))
         self._values: dict[Expr, Number] = {}
         wanted = {solve.unknowns: solve for solve in number_solves(program)}
         self._solves = [wanted[block.unknowns] for block in system.blocks if block.unknowns in wanted]
@@ -110,31 +103,7 @@ class Point:
     # -- values --------------------------------------------------------------------------------------------
 
     def _compute(self, roots: Iterable[Expr], known: dict[Expr, Number]) -> None:
-        for node in _missing(roots, known):
-            known[node] = self._operate(node, known)
-
-    def _operate(self, node: Expr, known: Mapping[Expr, Number]) -> Number:
-        if node.op is Op.CONSTANT:
-            return np.float64(node.data[0])
-        if node.op in (Op.LOOKUP, Op.SLOPE):
-            index = self._layout.table_index[node.args[0]]
-            holds = self._layout.tables[index].extrapolation is Extrapolation.HOLD
-            axis = None if node.op is Op.LOOKUP else int(node.data)
-            return interpolate(self._tables[index], [known[arg] * 1.0 for arg in node.args[1:]], holds, axis)
-        if not node.args:
-            if node in self._layout.table_index:
-                return np.float64(0.0)  # a table is read through its look-ups only
-            slot = leaf_slot(self._layout, node)
-            return self._arrays[slot.array][slot.index]
-        function, truths = operation_of(node)
-        given: list[Number] = []
-        for number, arg in enumerate(node.args):
-            value = known[arg]
-            if number < truths:
-                given.append(value if arg.is_condition else value != 0.0)
-            else:
-                given.append(value * 1.0 if arg.is_condition else value)
-        return function(*given)
+        self._evaluation.complete(roots, known)
 
     def _solve(self, solve: Solve) -> None:
         items = sequence(Function("point", (solve,)), {solve: 0}, lambda _: False)
@@ -171,7 +140,7 @@ class Point:
         return [known[root] for root in roots]
 
     def _differentiate(self, roots: Iterable[Expr], known: dict[Expr, Row]) -> None:
-        for node in _missing(roots, known):
+        for node in missing(roots, known):
             known[node] = self._row(node, known) if any(known[arg] for arg in node.args) else NOTHING
 
     def _row(self, node: Expr, known: Mapping[Expr, Row]) -> Row:
@@ -236,25 +205,6 @@ class _Layered(dict[Expr, "Number"]):
 
     def __contains__(self, node: object) -> bool:
         return super().__contains__(node) or node in self._below
-
-
-def _missing(roots: Iterable[Expr], known: Mapping[Expr, object]) -> list[Expr]:
-    """The nodes below the roots that are not known, arguments first."""
-    order: list[Expr] = []
-    seen: set[Expr] = set()
-    for root in roots:
-        stack: list[tuple[Expr, bool]] = [(root, False)]
-        while stack:
-            node, is_expanded = stack.pop()
-            if node in seen or node in known:
-                continue
-            if is_expanded or not node.args:
-                seen.add(node)
-                order.append(node)
-                continue
-            stack.append((node, True))
-            stack.extend((arg, False) for arg in reversed(node.args) if arg not in seen)
-    return order
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""`propermodel activity`: which elements matter in a scenario."""
+"""`propermodel rank`: which elements matter in a scenario, by activity and for outputs."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from propermodel.cli.options import (
     JacobianOption,
     MethodOption,
     ModelText,
+    OutputOption,
     ScenarioText,
     SetOption,
     StepOption,
@@ -21,7 +22,7 @@ from propermodel.cli.options import (
 )
 
 
-def activity(
+def rank(
     model: ModelText,
     scenario: ScenarioText = None,
     until: Until = None,
@@ -29,20 +30,23 @@ def activity(
     step: StepOption = None,
     jacobian_every: JacobianOption = None,
     settings: SetOption = None,
+    output: OutputOption = None,
     window: Annotated[
         tuple[float, float] | None, typer.Option(help="The part of the run to rank, s.", metavar="FROM TO")
     ] = None,
     refine: Annotated[bool, typer.Option("--refine/--no-refine", help="Check with a run at half the step.")] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Rank the energy elements of a model by their activity in a scenario."""
+    """Rank the energy elements of a model by activity, and with --output by what their removal would change."""
     from propermodel.analysis.activity import rank_activity
     from propermodel.cli.models import load_subject
     from propermodel.cli.progress import ProgressBars
-    from propermodel.cli.tables import Screen, ranking_notes, ranking_table
+    from propermodel.cli.tables import Screen, prediction_table, ranking_notes, ranking_table
     from propermodel.compiler import compile_model
-    from propermodel.diagnostics import SimulationError
+    from propermodel.diagnostics import SimulationError, parse_path
+    from propermodel.reduction.prediction import predict_errors
     from propermodel.report.study import StudyOptions, StudySoFar
+    from propermodel.report.summary import removal_text
 
     subject = configured(
         load_subject(model, scenario),
@@ -67,9 +71,10 @@ def activity(
             print_diagnostics(error.diagnostics)
             raise typer.Exit(INTERRUPTED if so_far.was_interrupted else FAULTS_FOUND) from None
     ranking = rank_activity(full, refined=refined, window=window)
+    prediction = predict_errors(full, map(parse_path, output)) if output else None
     if as_json:
         check = ranking.discretisation
-        report = {
+        report: dict[str, object] = {
             "model": compiled.model.name,
             "scenario": ranking.scenario,
             "window_s": list(ranking.window),
@@ -87,9 +92,26 @@ def activity(
                 for row in ranking.rows
             ],
         }
+        if prediction is not None:
+            report["predicted_errors"] = [
+                {
+                    "path": str(row.row),
+                    "ways": [
+                        {
+                            "removals": [removal_text(removal) for removal in way.removals],
+                            "rms_over_range": {str(path): error for path, error in way.errors.items()},
+                        }
+                        for way in row.ways
+                    ],
+                }
+                for row in prediction.rows()
+            ]
+            report["notes"] = list(prediction.notes)
         typer.echo(json.dumps(report, indent=2))
         return
     screen = Screen()
     screen.print(ranking_table(ranking))
     for note in ranking_notes(ranking):
         screen.print(note)
+    if prediction is not None:
+        screen.print("", prediction_table(prediction, ranking), *prediction.notes)

@@ -1,0 +1,267 @@
+"""How much every output would change if elements were removed, predicted from one run of the full model.
+
+A removed element no longer has the effort x (or flow) that it had in the run, or has a constant in its place. In the
+linear model along the run, with g the answer of all variables to a violation of the element's law and v that of the
+variable taken away, the others change by -g x / v: exactly, if the model is linear. Several removals together give as
+many equations as there are of them. The efforts and flows are those that were recorded; only gains are linear.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from propermodel.analysis.activity import ActivityRanking
+from propermodel.compiler import CompiledModel
+from propermodel.diagnostics import Path, ReductionError, one_of
+from propermodel.expressions.core import Expr
+from propermodel.modelling.model import (
+    ConstantEffort,
+    ConstantFlow,
+    ElementKind,
+    Variable,
+    ZeroEffort,
+    ZeroFlow,
+)
+from propermodel.reduction.evidence import RunEvidence
+from propermodel.reduction.spectra import ComplexArray, Spectra, spectra
+from propermodel.reduction.surrogate import Surrogate, fit
+from propermodel.simulation.trajectory import Trajectory, observable_path
+from propermodel.simulation.zeros import listed
+
+Replacement = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow
+
+_WORDS = {
+    ZeroEffort: "no effort",
+    ZeroFlow: "no flow",
+    ConstantEffort: "constant effort",
+    ConstantFlow: "constant flow",
+}
+# Removals whose equations have a condition beyond this have no solution: one constraint stated twice, a cut of no path.
+SINGULAR = 1e-10
+# What the linear model leaves unexplained of an equation beyond this share is told.
+MISFIT = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class PredictedError:
+    """What removals would do to outputs: root mean square of the change as a share of the output's range in the run."""
+
+    removals: tuple[Replacement, ...]
+    errors: Mapping[Path, float]
+
+    @property
+    def meaning(self) -> str:
+        """What stands in the place of the elements."""
+        return ", ".join(dict.fromkeys(_WORDS[type(removal)] for removal in self.removals))
+
+    @property
+    def worst(self) -> float:
+        """The largest over the outputs."""
+        return max(self.errors.values())
+
+
+@dataclass(frozen=True, slots=True)
+class PredictedRow:
+    """One row of a ranking: every way to remove it that leaves a model, the one with the least error first."""
+
+    row: Path
+    kind: str
+    ways: tuple[PredictedError, ...]
+
+    @property
+    def best(self) -> PredictedError | None:
+        """The way with the least error; None if there is none."""
+        return self.ways[0] if self.ways else None
+
+
+class Prediction:
+    """The predicted errors of removals, for some outputs of a run."""
+
+    def __init__(self, trajectory: Trajectory, outputs: Sequence[Path]) -> None:
+        self.trajectory = trajectory
+        self.outputs = tuple(outputs)
+        self.compiled: CompiledModel = trajectory.compiled
+        self._evidence = RunEvidence.of(trajectory.compiled, trajectory)
+        self._surrogate: Surrogate = fit(trajectory, outputs)
+        self._bonds = tuple(self._surrogate.laws)
+        self._number = {bond: index for index, bond in enumerate(self._bonds)}
+        tableau = self._surrogate.tableau
+        bonds = [self.compiled.graph.normal.bonds[name] for name in self._bonds]
+        recorded = [
+            trajectory[name / variable.value] for variable in (Variable.EFFORT, Variable.FLOW) for name in self._bonds
+        ]
+        self._spectra: Spectra = spectra(trajectory.time, recorded)
+        own = [tableau.column_of(bond, v) for v in (Variable.EFFORT, Variable.FLOW) for bond in bonds]
+        looked_at = [tableau.column(path) for path in outputs]
+        wanted = [*own, *(column for column in looked_at if column is not None)]
+        gains = np.array([self._surrogate.gains(s, self._bonds, wanted) for s in self._spectra.s])
+        count = len(self._bonds)
+        self._own: ComplexArray = gains[:, : 2 * count]  # (bands, efforts and flows, laws)
+        self._answers: dict[Path, ComplexArray] = {}
+        answered = iter(range(2 * count, len(wanted)))
+        for path, column in zip(outputs, looked_at, strict=True):
+            nothing = np.zeros((len(gains), count), dtype=np.complex128)
+            self._answers[path] = nothing if column is None else gains[:, next(answered)]
+        self._ranges = {path: float(np.ptp(trajectory[path])) for path in outputs}
+        for path, spread in self._ranges.items():
+            if spread == 0.0:
+                raise ReductionError.of(
+                    "reduction/constant-output",
+                    f"the output '{path}' never changes in this run, so a share of its range says nothing",
+                    help="choose an output that moves, or a scenario in which it does",
+                )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Where the model is far from linear along this run, so that predictions may be wrong."""
+        found: list[str] = []
+        misfits = {path: share for path, share in self._surrogate.misfits.items() if share > MISFIT}
+        if misfits:
+            worst = sorted(misfits, key=lambda path: -misfits[path])
+            names = listed(f"{path} ({misfits[path]:.0%})" for path in worst)
+            found.append(f"far from one slope along this run, so judge what acts through them by simulation: {names}")
+        controllers = [str(controller.path) for controller in self.compiled.graph.controllers]
+        if controllers:
+            found.append(f"taken as they were in the run: the decisions of {listed(controllers)}")
+        return tuple(found)
+
+    def of(self, removals: Iterable[Replacement]) -> PredictedError | None:
+        """What removals together would do; None if they leave no solution.
+
+        Raises:
+            ReductionError: a removal names no port of an energy element.
+        """
+        chosen = tuple(removals)
+        if not chosen:
+            return PredictedError((), dict.fromkeys(self.outputs, 0.0))
+        laws = [self._number_of(removal.bond) for removal in chosen]
+        variables = [self._variable_of(removal, law) for removal, law in zip(chosen, laws, strict=True)]
+        violated = self._own[:, variables][:, :, laws]  # what the laws taken away do to what replaces them
+        size = np.linalg.svd(_balanced(violated), compute_uv=False)
+        if np.any(size[:, -1] <= SINGULAR * size[:, 0]):
+            return None
+        errors: dict[Path, float] = {}
+        for path in self.outputs:
+            answer = self._answers[path][:, laws]
+            per_signal = -np.linalg.solve(violated.transpose(0, 2, 1), answer[:, :, np.newaxis])[:, :, 0]
+            # Constants are taken from what they replace.
+            constants = -sum(
+                per_signal[:, k] * removal.value
+                for k, removal in enumerate(chosen)
+                if isinstance(removal, ConstantEffort | ConstantFlow)
+            )
+            gains = np.column_stack([per_signal, np.broadcast_to(constants, len(answer))]).astype(np.complex128)
+            errors[path] = self._spectra.rms(gains, [*variables, -1]) / self._ranges[path]
+        return PredictedError(chosen, errors)
+
+    def rows(self) -> tuple[PredictedRow, ...]:
+        """Every row with all ways to remove it, the row that changes outputs least first."""
+        found = [self._row(row.path, row.kind, row.bonds) for row in self.compiled.system.rows]
+        return tuple(sorted(found, key=lambda row: (row.best is None, row.best.worst if row.best else 0.0, row.row)))
+
+    def _row(self, path: Path, kind: str, bonds: Sequence[Path]) -> PredictedRow:
+        ways = (self.of(way) for way in itertools.product(*(self._replacements(bond) for bond in bonds)))
+        return PredictedRow(path, kind, tuple(sorted(filter(None, ways), key=lambda way: way.worst)))
+
+    def _replacements(self, name: Path) -> list[Replacement]:
+        """What may take the place of an element at one bond: nothing, and for storage what it gives at its mean."""
+        bond = self.compiled.graph.normal.bonds[name]
+        found: list[Replacement] = [ZeroEffort(name), ZeroFlow(name)]
+        end = bond.head if bond.head.port else bond.tail
+        match self.compiled.graph.normal.elements[end.owner].kind:
+            case ElementKind.COMPLIANCE:
+                found.append(ConstantEffort(name, self._evidence.mean(bond, Variable.EFFORT)))
+            case ElementKind.INERTIA:
+                found.append(ConstantFlow(name, self._evidence.mean(bond, Variable.FLOW)))
+            case _:
+                pass
+        return found
+
+    def _number_of(self, bond: Path) -> int:
+        if bond not in self._number:
+            raise ReductionError.of(
+                "reduction/unknown-removal",
+                f"a removal names '{bond}', which is no port of an energy element",
+                help=one_of(str(bond), map(str, self._number)),
+            )
+        return self._number[bond]
+
+    def _variable_of(self, removal: Replacement, law: int) -> int:
+        return law if isinstance(removal, ZeroEffort | ConstantEffort) else len(self._bonds) + law
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def text(self, ranking: ActivityRanking | None = None) -> str:
+        """A table of all rows, with their activity indices beside where a ranking is given."""
+        indices = {} if ranking is None else {row.path: row.index for row in ranking.rows}
+        rows = self.rows()
+        width = max((len(str(row.row)) for row in rows), default=7)
+        heads = [_shortened(path) for path in self.outputs]
+        index_head = f"{'activity':>10}" if indices else ""
+        lines = [f"{'':>3}  {'element':<{width}}  {'replaced by':<16}{index_head}  " + "  ".join(heads)]
+        for number, row in enumerate(rows, 1):
+            index = f"{indices[row.row]:>10.3%}" if row.row in indices else f"{'':>10}" if indices else ""
+            if row.best is None:
+                lines.append(f"{number:>3}  {row.row!s:<{width}}  {'nothing can':<16}{index}")
+                continue
+            errors = "  ".join(
+                f"{row.best.errors[path]:>{len(head)}.3%}" for path, head in zip(self.outputs, heads, strict=True)
+            )
+            lines.append(f"{number:>3}  {row.row!s:<{width}}  {row.best.meaning:<16}{index}  {errors}")
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+
+def predict_errors(trajectory: Trajectory, outputs: Iterable[Expr | Path | str]) -> Prediction:
+    """Predict from one run how much outputs would change if elements were removed.
+
+    Args:
+        trajectory: A complete run of the full model with all observables recorded, often enough to show what moves.
+        outputs: The observables that matter.
+
+    Returns:
+        Predictions of single removals (`rows()`) and of any set of them (`of(...)`), as root mean square over the
+        output's range. They hold as far as the model is near the linear one along this run: what controllers do is
+        taken as it was, and laws have one slope for the whole run.
+
+    Raises:
+        ReductionError: the run is not complete, an output does not exist or never moves, or there is no linear model.
+    """
+    if not trajectory.ending.is_complete:
+        raise ReductionError.of(
+            "activity/incomplete",
+            f"the run did not reach its end: {trajectory.ending.message}",
+            where=str(trajectory.ending.path),
+            help="predict from a run that is complete",
+        )
+    paths = [observable_path(output) for output in outputs]
+    known = trajectory.compiled.lowered.observables
+    for path in paths:
+        if path not in known:
+            raise ReductionError.of(
+                "reduction/unknown-output",
+                f"the output '{path}' does not exist",
+                help=one_of(str(path), map(str, known)),
+            )
+    if not paths:
+        raise ReductionError.of(
+            "reduction/unknown-output", "no outputs were given", help="name the observables that matter"
+        )
+    return Prediction(trajectory, paths)
+
+
+def _balanced(matrices: ComplexArray) -> ComplexArray:
+    """Matrices with rows and columns of one size, as efforts and flows of different domains have different sizes."""
+    rows = np.max(np.abs(matrices), axis=2, keepdims=True)
+    scaled = matrices / np.where(rows > 0.0, rows, 1.0)
+    columns = np.max(np.abs(scaled), axis=1, keepdims=True)
+    return scaled / np.where(columns > 0.0, columns, 1.0)
+
+
+def _shortened(path: Path) -> str:
+    text = str(path)
+    return f"{text if len(text) <= 24 else '...' + text[-21:]:>9}"
