@@ -246,7 +246,22 @@ def test_an_implicit_method_says_in_its_file_how_many_steps_share_a_jacobian(tmp
 
 
 def test_methods_have_the_names_of_the_compiler():
-    assert [name.value for name in MethodName] == [method.value for method in Method]
+    assert [name.value for name in MethodName] == [*(method.value for method in Method), "auto"]
+
+
+def test_a_method_that_controls_its_steps_goes_by_a_tolerance(tmp_path: Path):
+    options = ("--tolerance", "1e-6", "--until", "0.1", "--out", tmp_path)
+    assert "(rodas, tolerance 1e-06" in succeed("run", MODEL, "--method", "rodas", *options)
+    stored = load_trajectory(tmp_path / "trajectory.npz")
+    assert (stored.method, stored.tolerance) == ("rodas", 1e-6)
+    assert "note: method auto chose " in succeed("run", MODEL, "--method", "auto", "--until", "0.1")
+    assert "the tolerance is 2.0; it is a share" in fail(2, "run", MODEL, "--method", "auto", "--tolerance", "2.0")
+
+
+def test_a_reduction_goes_by_the_tolerance_of_its_steps(tmp_path: Path):
+    options = ("--until", "2.0", "--out", tmp_path, "--no-speed")
+    printed = succeed("reduce", MODEL, "--method", "rodas", "--step-tolerance", "1e-5", *options)
+    assert "at a tolerance of 1e-06 instead of 1e-05" in " ".join(printed.split())
 
 
 # -- wrong arguments ------------------------------------------------------------------------------------

@@ -65,6 +65,7 @@ def test_the_summary_holds_what_is_published(summary: dict):
         "method",
         "step_s",
         "jacobian_every",
+        "step_tolerance",
         "wall_s",
         "speedup",
         "speedup_best_steps",

@@ -69,7 +69,7 @@ def run(
 # -- a ball ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", [Method.RK4, Method.ROS2])
+@pytest.mark.parametrize("method", [Method.RK4, Method.ROS2, Method.RODAS, Method.DOPRI5])
 @BACKENDS
 def test_a_ball_bounces_at_the_instants_and_with_the_speeds_of_its_closed_form(backend: Backend, method: Method):
     answer = run(compiled(BouncingBall(), backend), 3.5, method=method)

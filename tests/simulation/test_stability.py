@@ -82,5 +82,5 @@ def test_a_run_below_the_limit_decays_and_one_beyond_it_grows_and_says_so(method
     (note,) = wild.notes
     assert note.startswith(f"a step of {wild.step:g} s is too long at the start: {method} is stable with steps up to")
     assert "foot.momentum has the eigenvalue -3" in note
-    assert note.endswith("take a smaller step, or the method ros2")
+    assert note.endswith("take a smaller step, or the method ros2 or rodas")
     assert simulate(compiled, MOVING, method=Method.ROS2, step=wild.step, record_every=50.0).notes == ()

@@ -29,13 +29,22 @@ class ActivityRow:
 
 @dataclass(frozen=True, slots=True)
 class Discretisation:
-    """The same run at a smaller step: by how much indices change, in percentage points."""
+    """The same run with finer steps: by how much indices change, in percentage points."""
 
     step: float
     refined_step: float
+    tolerance: float
+    refined_tolerance: float
     largest_change_points: float
     largest_change_at: Path
     total_change: float  # relative change of the total activity
+
+    @property
+    def comparison(self) -> str:
+        """What was compared, in words."""
+        if self.step == self.refined_step:
+            return f"at a tolerance of {self.refined_tolerance:g} instead of {self.tolerance:g}"
+        return f"at a step of {self.refined_step:g} s instead of {self.step:g} s"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +100,7 @@ class ActivityRanking:
         else:
             check = self.discretisation
             lines.append(
-                f"discretisation check: at a step of {check.refined_step:g} s instead of {check.step:g} s indices "
+                f"discretisation check: {check.comparison} indices "
                 f"change by at most {check.largest_change_points:.3f} points ({check.largest_change_at})"
             )
         return "\n".join(lines)
@@ -246,6 +255,8 @@ def _compare_steps(
     return Discretisation(
         step=trajectory.step,
         refined_step=refined.step,
+        tolerance=trajectory.tolerance,
+        refined_tolerance=refined.tolerance,
         largest_change_points=changes[worst],
         largest_change_at=worst,
         total_change=finer_total / total - 1.0,

@@ -16,6 +16,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.units import si_text
 from propermodel.modelling.model import Scenario
+from propermodel.simulation.choosing import AUTO, Choice
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.start import Start, parameter_values, start_of
 from propermodel.simulation.start_tangents import StartTangents, start_tangents
@@ -162,7 +163,7 @@ def sensitivities(
     *,
     parameters: Iterable[Name],
     outputs: Iterable[Name] = (),
-    method: Method = Method.SEMI_IMPLICIT,
+    method: Choice = Method.SEMI_IMPLICIT,
     step: float | None = None,
     jacobian_every: int = 1,
     record_every: float = 0.1,
@@ -190,10 +191,10 @@ def sensitivities(
     Raises:
         SimulationError: a name is unknown, the scenario does not fit, or the model has jumps that have no derivative.
     """
-    stepping = Stepping(method, step, jacobian_every)
+    stepping = Stepping(Method.RODAS if method == AUTO else Method(method), step, jacobian_every)
     question = Question.asked(compiled, scenario, parameters, outputs, stepping, record_every)
     before = time.perf_counter()
-    prepared = compiled.tangents(method, question.directions, question.signals, question.powers)
+    prepared = compiled.tangents(stepping.method, question.directions, question.signals, question.powers)
     machine = prepared.machine()
     build_s = time.perf_counter() - before
     store = TableStore()
@@ -227,7 +228,7 @@ def sensitivities(
     return Sensitivities(
         compiled=compiled,
         scenario=scenario,
-        method=method,
+        method=stepping.method,
         step=stepping.longest(),
         parameters=question.parameters,
         parameter_values=np.array([values[flat[path].symbol] for path in question.parameters]),

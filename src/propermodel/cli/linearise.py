@@ -18,6 +18,7 @@ from propermodel.cli.options import (
     ScenarioText,
     SetOption,
     StepOption,
+    ToleranceOption,
     configured,
 )
 
@@ -45,6 +46,7 @@ def linearise(
     method: MethodOption = None,
     step: StepOption = None,
     jacobian_every: JacobianOption = None,
+    tolerance: ToleranceOption = None,
     settings: SetOption = None,
     as_json: AsJson = False,
 ) -> None:
@@ -62,6 +64,7 @@ def linearise(
         method=method,
         step=step,
         jacobian_every=jacobian_every,
+        tolerance=tolerance,
         settings=settings,
         outputs=output,
     )
@@ -102,6 +105,7 @@ def _linear_model(
             method=subject.method,
             step=subject.step,
             jacobian_every=subject.jacobian_every,
+            tolerance=subject.tolerance,
             record=[],
         )
     return linear_model(compiled, point, inputs=inputs or None, outputs=subject.outputs or None)

@@ -18,6 +18,8 @@ from propermodel.diagnostics import Diagnostic, Path, ProperModelError, Source, 
 from propermodel.modelling import Component, Model, Scenario, elaborate
 from propermodel.modelling.components import Repeated
 from propermodel.report.panels import Panel, Series
+from propermodel.simulation.choosing import Choice
+from propermodel.simulation.stepping import DEFAULT_TOLERANCE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,9 +32,10 @@ class Subject:
     outputs: tuple[Path, ...] = ()
     totals: Mapping[str, Path] = field(default_factory=dict[str, Path])
     panels: tuple[Panel, ...] = ()
-    method: Method = Method.SEMI_IMPLICIT
-    step: float = 2e-4
+    method: Choice = Method.SEMI_IMPLICIT
+    step: float | None = None
     jacobian_every: int = 1
+    tolerance: float = DEFAULT_TOLERANCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +61,7 @@ class NamedModel:
     totals: Mapping[str, str] = field(default_factory=dict[str, str])
     panels: tuple[Panel, ...] = ()
     method: Method = Method.SEMI_IMPLICIT
-    step: float = 2e-4
+    step: float | None = None
 
 
 _MISSIONS = {"fmtv_mixed": Target("propermodel.library.vehicle.mission", "mission", ("fmtv_mixed",))}

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class MethodName(StrEnum):
-    """The integration methods, under the names of `propermodel.compiler.Method`."""
+    """The integration methods, under the names of `propermodel.compiler.Method`, and the choice by a trial."""
 
     EULER = "euler"
     SEMI_IMPLICIT = "semi-implicit-euler"
@@ -26,6 +26,7 @@ class MethodName(StrEnum):
     ROS2 = "ros2"
     RODAS = "rodas"
     DOPRI5 = "dopri5"
+    AUTO = "auto"
 
 
 ModelText = Annotated[
@@ -51,7 +52,15 @@ UntilCondition = Annotated[
         metavar="S|CONDITION",
     ),
 ]
-MethodOption = Annotated[MethodName | None, typer.Option("--method", help="How a step is taken.")]
+MethodOption = Annotated[
+    MethodName | None, typer.Option("--method", help="How a step is taken; auto: what a short trial shows to be best.")
+]
+ToleranceOption = Annotated[
+    float | None,
+    typer.Option(
+        "--tolerance", help="Error of a step, as a share of each state, where the method controls it.", metavar="SHARE"
+    ),
+]
 JacobianOption = Annotated[
     int | None,
     typer.Option("--jacobian-every", help="Steps that ros2 takes with one Jacobian.", metavar="N"),
@@ -78,6 +87,7 @@ def configured(
     method: MethodName | None = None,
     step: float | None = None,
     jacobian_every: int | None = None,
+    tolerance: float | None = None,
     settings: Iterable[str] | None = None,
     outputs: Iterable[str] | None = None,
 ) -> Subject:
@@ -87,6 +97,7 @@ def configured(
         CommandError: a parameter or option does not fit the model.
     """
     from propermodel.compiler import Method
+    from propermodel.simulation.choosing import AUTO
 
     scenario = subject.scenario
     if until is not None:
@@ -98,9 +109,10 @@ def configured(
     return replace(
         subject,
         scenario=scenario,
-        method=subject.method if method is None else Method(method.value),
+        method=subject.method if method is None else AUTO if method is MethodName.AUTO else Method(method.value),
         step=subject.step if step is None else step,
         jacobian_every=subject.jacobian_every if jacobian_every is None else jacobian_every,
+        tolerance=subject.tolerance if tolerance is None else tolerance,
         outputs=chosen or subject.outputs,
     )
 

@@ -17,6 +17,7 @@ from propermodel.cli.options import (
     ScenarioText,
     SetOption,
     StepOption,
+    ToleranceOption,
     Until,
     configured,
 )
@@ -29,12 +30,16 @@ def rank(
     method: MethodOption = None,
     step: StepOption = None,
     jacobian_every: JacobianOption = None,
+    tolerance: ToleranceOption = None,
     settings: SetOption = None,
     output: OutputOption = None,
     window: Annotated[
         tuple[float, float] | None, typer.Option(help="The part of the run to rank, s.", metavar="FROM TO")
     ] = None,
-    refine: Annotated[bool, typer.Option("--refine/--no-refine", help="Check with a run at half the step.")] = True,
+    refine: Annotated[
+        bool,
+        typer.Option("--refine/--no-refine", help="Check with a run at half the step, or a tenth of the tolerance."),
+    ] = True,
     as_json: AsJson = False,
 ) -> None:
     """Rank the energy elements of a model by activity, and with --output by what their removal would change."""
@@ -54,17 +59,21 @@ def rank(
         method=method,
         step=step,
         jacobian_every=jacobian_every,
+        tolerance=tolerance,
         settings=settings,
     )
     compiled = compile_model(subject.model)
     so_far = StudySoFar()
-    options = StudyOptions(method=subject.method, step=subject.step, jacobian_every=subject.jacobian_every)
+    options = StudyOptions(
+        method=subject.method,
+        step=subject.step,
+        jacobian_every=subject.jacobian_every,
+        step_tolerance=subject.tolerance,
+    )
     with ProgressBars() as bars:
         try:
-            full = so_far.run("full", compiled, subject.scenario, subject.step, options, bars)
-            refined = (
-                so_far.run("refined", compiled, subject.scenario, subject.step / 2.0, options, bars) if refine else None
-            )
+            full = so_far.run("full", compiled, subject.scenario, options, bars)
+            refined = so_far.refine(full, options, bars) if refine else None
         except SimulationError as error:
             if not so_far.runs:
                 raise

@@ -36,6 +36,10 @@ def reduce(
     method: MethodOption = None,
     step: StepOption = None,
     jacobian_every: JacobianOption = None,
+    step_tolerance: Annotated[
+        float | None,
+        typer.Option(help="Error of a step, as a share of each state, where the method controls it.", metavar="SHARE"),
+    ] = None,
     output: OutputOption = None,
     settings: SetOption = None,
     keep_driven: Annotated[
@@ -61,6 +65,7 @@ def reduce(
         method=method,
         step=step,
         jacobian_every=jacobian_every,
+        tolerance=step_tolerance,
         settings=settings,
         outputs=output,
     )
@@ -74,6 +79,7 @@ def reduce(
         method=subject.method,
         step=subject.step,
         jacobian_every=subject.jacobian_every,
+        step_tolerance=subject.tolerance,
         speed_repeats=5 if speed else 0,
         best_steps=best_steps,
     )

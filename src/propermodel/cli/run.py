@@ -19,6 +19,7 @@ from propermodel.cli.options import (
     ScenarioText,
     SetOption,
     StepOption,
+    ToleranceOption,
     UntilCondition,
     configured,
     end_of,
@@ -32,6 +33,7 @@ def run(
     method: MethodOption = None,
     step: StepOption = None,
     jacobian_every: JacobianOption = None,
+    tolerance: ToleranceOption = None,
     output: OutputOption = None,
     settings: SetOption = None,
     record_every: Annotated[float | None, typer.Option(help="Period of recording, s.", metavar="S")] = None,
@@ -64,12 +66,13 @@ def run(
         method=method,
         step=step,
         jacobian_every=jacobian_every,
+        tolerance=tolerance,
         settings=settings,
         outputs=output,
     )
     compiled = compile_model(subject.model)
     check_outputs(compiled, subject.outputs)
-    period = record_every or StudyOptions(step=subject.step).record_every(subject.scenario)
+    period = record_every or StudyOptions(method=subject.method, step=subject.step).record_every(subject.scenario)
     with ProgressBars() as bars:
         answer = simulate(
             compiled,
@@ -77,6 +80,7 @@ def run(
             method=subject.method,
             step=subject.step,
             jacobian_every=subject.jacobian_every,
+            tolerance=subject.tolerance,
             record_every=period,
             record_to=record_to,
             until=condition,
@@ -101,7 +105,10 @@ def run(
             "status": answer.ending.status.value,
             "message": answer.ending.message,
             "time_s": answer.ending.time,
+            "method": answer.method.value,
             "steps": answer.statistics.steps,
+            "rejected": answer.statistics.rejected,
+            "notes": list(answer.notes),
             "wall_s": answer.statistics.wall_s,
             "energy_balance_residual": balance.relative_residual,
             "outputs": values,

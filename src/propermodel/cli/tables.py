@@ -104,7 +104,7 @@ def ranking_notes(ranking: ActivityRanking) -> list[str]:
         notes.append("not checked with a smaller step")
     else:
         notes.append(
-            f"at a step of {check.refined_step:g} s instead of {check.step:g} s indices change by at most "
+            f"{check.comparison} indices change by at most "
             f"{check.largest_change_points:.3f} points ({check.largest_change_at})"
         )
     notes.extend(f"datum of {datum}" for datum in ranking.datums)
@@ -184,10 +184,7 @@ def study_lines(study: ReductionStudy) -> list[str]:
         f"energy balance: residual {study.full_balance.relative_residual:.1e} full, "
         f"{study.reduced_balance.relative_residual:.1e} reduced"
     )
-    lines.append(
-        f"{full.method}, step {full.step:g} s: {full.statistics.wall_s:.3g} s full, "
-        f"{reduced.statistics.wall_s:.3g} s reduced"
-    )
+    lines.append(f"{full.stepping}: {full.statistics.wall_s:.3g} s full, {reduced.statistics.wall_s:.3g} s reduced")
     if study.speed is not None:
         start, stop = study.speed.window
         lines.append(

@@ -126,6 +126,7 @@ def _run(
         method=like.method,
         step=step,
         jacobian_every=like.jacobian_every,
+        tolerance=like.tolerance,
         record=outputs,
         record_every=_period(like),
     )

@@ -14,8 +14,10 @@ from propermodel.modelling.model import ElementKind, Model, Scenario
 from propermodel.reduction.plan import Reduction, plan_reduction
 from propermodel.report.panels import Panel
 from propermodel.report.speed import BestSteps, Speed, measure_best_steps, measure_speed
+from propermodel.simulation.choosing import AUTO, Choice
 from propermodel.simulation.simulate import Progress, simulate
 from propermodel.simulation.start import begin
+from propermodel.simulation.stepping import DEFAULT_STEP, DEFAULT_TOLERANCE, Stepping
 from propermodel.simulation.trajectory import RunStatus, Trajectory
 
 StudyProgress = Callable[[str, Progress | None], None]
@@ -35,15 +37,25 @@ class StudyOptions:
     outputs: tuple[Path, ...] = ()
     totals: Mapping[str, Path] = field(default_factory=dict[str, Path])
     panels: tuple[Panel, ...] = ()  # of the figure of the mission
-    method: Method = Method.SEMI_IMPLICIT
-    step: float = 2e-4
+    method: Choice = Method.SEMI_IMPLICIT
+    step: float | None = None
     jacobian_every: int = 1  # steps that an implicit method takes with one Jacobian
+    step_tolerance: float = DEFAULT_TOLERANCE  # of a method that controls its steps
     speed_repeats: int = 5  # 0: not measured
     best_steps: bool = True
 
     def record_every(self, scenario: Scenario) -> float:
         """The period of recording, s: at least a thousand rows of a short scenario."""
-        return max(self.step, min(0.1, (scenario.stop - scenario.start) / 1000.0))
+        period = min(0.1, (scenario.stop - scenario.start) / 1000.0)
+        return period if self.method == AUTO or self.method.is_adaptive else max(self._step, period)
+
+    def integrals_every(self, scenario: Scenario) -> float:
+        """The period at which integrals are kept, s."""
+        return max(self.record_every(scenario), min(1.0, (scenario.stop - scenario.start) / 100.0))
+
+    @property
+    def _step(self) -> float:
+        return DEFAULT_STEP if self.step is None else self.step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +64,7 @@ class ReductionStudy:
 
     options: StudyOptions
     full: Trajectory
-    refined: Trajectory  # the full model at half the step
+    refined: Trajectory  # the full model at half the step, or a tenth of the tolerance
     ranking: ActivityRanking
     reduction: Reduction
     reduced: Trajectory
@@ -82,11 +94,11 @@ class StudySoFar:
         name: str,
         compiled: CompiledModel,
         scenario: Scenario,
-        step: float,
         options: StudyOptions,
         say: StudyProgress,
+        stepping: Stepping | None = None,
     ) -> Trajectory:
-        """Make a run and keep it, also when it does not reach its end.
+        """Make a run and keep it, also when it does not reach its end; without a stepping, with that of the options.
 
         Raises:
             SimulationError: it did not.
@@ -94,12 +106,13 @@ class StudySoFar:
         run = simulate(
             compiled,
             scenario,
-            method=options.method,
-            step=step,
+            method=options.method if stepping is None else stepping.method,
+            step=options.step if stepping is None else stepping.step,
             jacobian_every=options.jacobian_every,
+            tolerance=options.step_tolerance if stepping is None else stepping.tolerance,
             record=() if name == "refined" else None,
             record_every=options.record_every(scenario),
-            integrals_every=max(step, min(1.0, (scenario.stop - scenario.start) / 100.0)),
+            integrals_every=options.integrals_every(scenario),
             progress=lambda progress: say(name, progress),
         )
         self.runs[name] = run
@@ -111,6 +124,14 @@ class StudySoFar:
                 help="cure the failure first (a smaller step, other values), or let the scenario stop earlier",
             )
         return run
+
+    def refine(self, full: Trajectory, options: StudyOptions, say: StudyProgress) -> Trajectory:
+        """The same run with finer steps.
+
+        Raises:
+            SimulationError: it did not reach its end.
+        """
+        return self.run("refined", full.compiled, full.scenario, options, say, full.stepping.refined())
 
     @property
     def was_interrupted(self) -> bool:
@@ -176,8 +197,8 @@ def _stages(
     say("compiling", None)
     compiled = compile_model(model)
     check_outputs(compiled, (*options.outputs, *options.totals.values(), *_shown(options.panels, compiled)))
-    full = so_far.run("full", compiled, scenario, options.step, options, say)
-    refined = so_far.run("refined", compiled, scenario, options.step / 2.0, options, say)
+    full = so_far.run("full", compiled, scenario, options, say)
+    refined = so_far.refine(full, options, say)
     ranking = so_far.ranking = rank_activity(full, refined=refined)
     say("reducing", None)
     reduction = so_far.reduction = plan_reduction(
@@ -191,7 +212,7 @@ def _stages(
     )
     reduced_model = compile_quietly(model.without(reduction.removals))
     fitting = fitting_scenario(reduced_model, scenario)
-    reduced = so_far.run("reduced", reduced_model, fitting, options.step, options, say)
+    reduced = so_far.run("reduced", reduced_model, fitting, options, say, full.stepping)
     compared = options.outputs or _most_active(ranking, full, reduced)
     speed, best = _speeds(full, reduced, compared, options, say)
     return ReductionStudy(
@@ -219,7 +240,7 @@ def _speeds(
         if options.speed_repeats > 0:
             say("measuring speed", None)
             speed = measure_speed(full, reduced, compared, options.speed_repeats)
-            if options.best_steps:
+            if options.best_steps and not full.method.is_adaptive:
                 say("searching steps", None)
                 best = measure_best_steps(full, reduced, compared, options.speed_repeats)
     except KeyboardInterrupt:

@@ -48,6 +48,7 @@ def summarise(study: ReductionStudy) -> dict[str, Json]:
         "method": full.method.value,
         "step_s": full.step,
         "jacobian_every": full.jacobian_every,
+        "step_tolerance": full.tolerance if full.method.is_adaptive else None,
         "energy_elements": len(ranking.rows),
         "threshold": reduction.threshold,
         "tolerance": reduction.tolerance,

@@ -10,6 +10,8 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path
 from propermodel.simulation.overflow import Overflow, overflow_at_end
 from propermodel.simulation.singular import singular_reason
+from propermodel.simulation.stability import reason_in_step
+from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.switches import contradiction
 from propermodel.simulation.trajectory import Ending, RunStatus
 
@@ -20,6 +22,7 @@ def ending_of(
     memory: Memory,
     before: Memory,
     overflow: Overflow | None,
+    stepping: Stepping | None = None,
 ) -> Ending:
     """How a run of one lane ended.
 
@@ -29,6 +32,7 @@ def ending_of(
         memory: Where the run is.
         before: The memory before the last call, whose numbers were finite.
         overflow: The first energies that were no finite numbers, where some were kept.
+        stepping: How it took its steps.
     """
     at = memory.time
     if outcome is None:
@@ -44,7 +48,7 @@ def ending_of(
             return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
         case _:
             failure = Failure(0, outcome.status, outcome.time, outcome.index)
-            return failed_ending(compiled, failure, memory, before)
+            return failed_ending(compiled, failure, memory, before, stepping)
 
 
 def overflow_ending(compiled: CompiledModel, overflow: Overflow, memory: Memory) -> Ending:
@@ -61,7 +65,9 @@ def overflow_ending(compiled: CompiledModel, overflow: Overflow, memory: Memory)
     )
 
 
-def failed_ending(compiled: CompiledModel, failure: Failure, memory: Memory, before: Memory) -> Ending:
+def failed_ending(
+    compiled: CompiledModel, failure: Failure, memory: Memory, before: Memory, stepping: Stepping | None = None
+) -> Ending:
     """How a run of one lane failed.
 
     Args:
@@ -69,11 +75,14 @@ def failed_ending(compiled: CompiledModel, failure: Failure, memory: Memory, bef
         failure: What the machine said of it.
         memory: Where the run is.
         before: The memory before the last call, whose numbers were finite.
+        stepping: How it took its steps.
     """
     match failure.status:
         case Status.NOT_FINITE:
             path = compiled.system.states[failure.index].path
             why = singular_reason(compiled, before)
+            if not why and stepping is not None:
+                why = reason_in_step(compiled, before, stepping.method, stepping.longest())
             return Ending(
                 RunStatus.FAILED,
                 f"stopped at {failure.time:.6g} s: the state {path} is no longer a finite number; "

@@ -11,6 +11,7 @@ from propermodel.codegen.machine import FloatArray, Machine, Memory, Request, St
 from propermodel.compiler import CompiledModel
 from propermodel.simulation.endings import failed_ending, overflow_ending
 from propermodel.simulation.overflow import overflow_at_end
+from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.trajectory import Ending, RunStatus
 
 
@@ -75,7 +76,8 @@ def run_together(
         for failure in outcome.failures:
             if failure.lane < count and failure.lane not in endings:
                 here, there = lane_of(memory, failure.lane), lane_of(before, failure.lane)
-                endings[failure.lane] = failed_ending(compiled, failure, here, there)
+                taken = Stepping(machine.method, request.step)
+                endings[failure.lane] = failed_ending(compiled, failure, here, there, taken)
         if outcome.status is not Status.PAUSED:
             break
     final = np.full((count, request.selected.size), np.nan)

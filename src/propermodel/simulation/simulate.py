@@ -17,6 +17,7 @@ from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, o
 from propermodel.expressions.core import Expr
 from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Scenario
+from propermodel.simulation.choosing import AUTO, Choice, choose
 from propermodel.simulation.conditions import parse_condition
 from propermodel.simulation.endings import ending_of
 from propermodel.simulation.equilibrium import equilibrium_start
@@ -63,7 +64,7 @@ def simulate(
     compiled: CompiledModel,
     scenario: Scenario,
     *,
-    method: Method = Method.SEMI_IMPLICIT,
+    method: Choice = Method.SEMI_IMPLICIT,
     step: float | None = None,
     jacobian_every: int = 1,
     tolerance: float = DEFAULT_TOLERANCE,
@@ -81,7 +82,7 @@ def simulate(
     Args:
         compiled: The model.
         scenario: Inputs, initial values, parameter values and window.
-        method: How a step is taken.
+        method: How a step is taken; with "auto" a short trial decides, and the notes of the run tell what and why.
         step: Largest step, s, by default 0.2 ms; it is shortened to meet samples of controllers and recording instants.
             A method that controls its steps needs none.
         jacobian_every: How many steps of the method ros2 may share one Jacobian. More are faster; the order stays,
@@ -108,7 +109,7 @@ def simulate(
     Raises:
         SimulationError: the scenario or an observable does not fit the model.
     """
-    stepping = Stepping(method, step, jacobian_every, tolerance)
+    stepping = Stepping(Method.RODAS if method == AUTO else Method(method), step, jacobian_every, tolerance)
     faults = Faults(SimulationError)
     faults.found.extend(faults_of_settings(scenario, stepping, record_every, integrals_every))
     selected = np.zeros(0, dtype=np.int64)
@@ -125,15 +126,20 @@ def simulate(
             begin(compiled, scenario)
     faults.raise_if_any()
     longest = stepping.longest(record_every, integrals_every, scenario.stop - scenario.start)
-    machine = run_model.machine(method)
-    build_s = time.perf_counter() - before
     if continued_from is None:
         begun = _begun(compiled, scenario, start)
         memory, notes = begun.memory, begun.notes
-        note = note_on_step(compiled, memory, method, longest, scenario.stop - scenario.start)
+        note = None
+        if method == AUTO:
+            stepping, note = choose(compiled, memory, stepping, longest, scenario.stop)
+        else:
+            note = note_on_step(compiled, memory, stepping.method, longest, scenario.stop - scenario.start)
         notes = notes if note is None else (*notes, note)
     else:
         memory, notes = _continue(compiled, scenario, continued_from), continued_from.notes
+        stepping = continued_from.stepping if method == AUTO else stepping
+    machine = run_model.machine(stepping.method)
+    build_s = time.perf_counter() - before
     if until is not None:
         memory = add_guard(machine, memory, is_continued=continued_from is not None)
     # Integrals count from the origin of a run, also of one that is continued, and so does its start.
@@ -173,12 +179,12 @@ def simulate(
 
         outcome = _run(machine, memory, request, recording, progress, scenario, events, stand)
         stood = stand()
-        ending = ending_of(run_model, outcome, memory, recording.before, recording.overflow)
+        ending = ending_of(run_model, outcome, memory, recording.before, recording.overflow, taken)
         recorded = recording.finish(stood, ending, memory if isinstance(outcome, Ending) else None)
     return Trajectory(
         compiled=compiled,
         scenario=scenario,
-        method=method,
+        method=stepping.method,
         step=longest,
         jacobian_every=jacobian_every,
         tolerance=tolerance,

@@ -65,15 +65,34 @@ def step_limit(
 
 def note_on_step(compiled: CompiledModel, memory: Memory, method: Method, step: float, window: float) -> str | None:
     """What to say where a step is too long at the start of a run; nothing about large models."""
+    limit = _limit_below(compiled, memory, method, step, window)
+    if limit is None:
+        return None
+    return f"a step of {step:g} s is too long at the start: {limit}; take a smaller step, or the method ros2 or rodas"
+
+
+def reason_in_step(compiled: CompiledModel, before: Memory, method: Method, step: float) -> str | None:
+    """What to say where numbers have grown without end shortly after an instant, if the step was too long there."""
+    limit = _limit_below(compiled, before, method, step, GROWTH * step)
+    if limit is None:
+        return None
+    return (
+        f"steps of {step:g} s are too long: at {before.time:.4g} s {limit}; take a smaller step, or the method ros2 "
+        "or rodas"
+    )
+
+
+def _limit_below(
+    compiled: CompiledModel, memory: Memory, method: Method, step: float, window: float
+) -> StepLimit | None:
+    """The limit, if a step is beyond it; none for methods that look after it themselves, and for large models."""
     if method.is_implicit or method.is_adaptive or len(compiled.system.states) > MOST_STATES:
         return None
     try:
         limit = _limit(compiled, memory, method, window, longest=step)
     except SimulationError:
         return None  # the run itself tells what is wrong there
-    if math.isinf(limit.step):
-        return None
-    return f"a step of {step:g} s is too long at the start: {limit}; take a smaller step, or the method ros2"
+    return None if math.isinf(limit.step) else limit
 
 
 def _limit(
