@@ -11,14 +11,21 @@ import os
 import sys
 from pathlib import Path
 
-from benchmarks import against_c, growth, lanes, reduced, starts
+from benchmarks import against_c, growth, lanes, reduced, starts, work_precision
 from benchmarks.conditions import conditions, load
 from benchmarks.document import write_document
 from benchmarks.measure import Json
 from benchmarks.part import COMMAND, Part
 from propermodel.codegen.object_cache import OFF, VARIABLE
 
-PARTS: tuple[Part, ...] = (starts.PART, against_c.PART, growth.PART, lanes.PART, reduced.PART)
+PARTS: tuple[Part, ...] = (
+    starts.PART,
+    against_c.PART,
+    work_precision.PART,
+    growth.PART,
+    lanes.PART,
+    reduced.PART,
+)
 DATA = Path("out/bench")
 PAGE = Path("docs/performance.md")
 

@@ -7,13 +7,14 @@ import shutil
 import subprocess
 import tempfile
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.c_printer import CPrinter
-from propermodel.codegen.machine import FloatArray, Memory, Method, sample_periods
+from propermodel.codegen.machine import FloatArray, IntArray, Memory, Method, sample_periods
 from propermodel.codegen.native_memory import ready_tables
 from propermodel.codegen.program import Array, Program
 
@@ -45,16 +46,14 @@ class CMachine:
         self._lanes = lanes
         self._printer = CPrinter(program, method, lanes)
         begin = time.perf_counter()
-        self._library = _compile(self._printer.text, flags)
+        self._library = compile_shared(self._printer.text, flags)
         self.compile_s = time.perf_counter() - begin
 
     def run(self, memory: Memory, until: float, step: float) -> float:
         """Run to an instant; gives the processor time it took."""
         printer, program = self._printer, self._program
-        storage = np.zeros(printer.rows * self._lanes + 8)
-        skip = (-storage.ctypes.data % 64) // 8
-        block = storage[skip : skip + printer.rows * self._lanes].reshape(printer.rows, self._lanes)
-        places = self._places(memory)
+        block = aligned(printer.rows, self._lanes)
+        places = places_of(printer, memory)
         for first, values in places:
             block[first] = values.reshape(-1, self._lanes)
         tables = ready_tables(program, memory.tables)
@@ -74,27 +73,39 @@ class CMachine:
         memory.time = float(clock[0])
         return taken
 
-    def _places(self, memory: Memory) -> list[tuple[np.ndarray, FloatArray]]:
-        regions = self._printer.regions
-        states = regions[Array.STATE] + np.array(self._printer.states, dtype=np.int64)
-        found = [(states, memory.state)]
-        for region, values in (
-            (Array.DISCRETE, memory.discrete),
-            (Array.PARAMETER, memory.parameter),
-            (Array.UNKNOWN, memory.unknown),
-            ("integral", memory.integral),
-            ("activity", memory.activity),
-        ):
-            found.append((regions[region] + np.arange(len(values)), values))
-        return found
+
+def aligned(rows: int, lanes: int) -> FloatArray:
+    """Zeros that begin where vectors may."""
+    storage = np.zeros(rows * lanes + 8)
+    skip = (-storage.ctypes.data % 64) // 8
+    return storage[skip : skip + rows * lanes].reshape(rows, lanes)
 
 
-def _compile(text: str, flags: tuple[str, ...]) -> ctypes.CDLL:
+def places_of(printer: CPrinter, memory: Memory) -> list[tuple[IntArray, FloatArray]]:
+    """The rows of a memory's arrays."""
+    regions = printer.regions
+    states = regions[Array.STATE] + np.array(printer.states, dtype=np.int64)
+    found = [(states, memory.state)]
+    for region, values in (
+        (Array.DISCRETE, memory.discrete),
+        (Array.PARAMETER, memory.parameter),
+        (Array.UNKNOWN, memory.unknown),
+        ("integral", memory.integral),
+        ("activity", memory.activity),
+    ):
+        found.append((regions[region] + np.arange(len(values)), values))
+    return found
+
+
+def compile_shared(text: str, flags: Iterable[str], libraries: Iterable[Path] = ()) -> ctypes.CDLL:
+    """A text as a library that is loaded here; those it needs are found again where they are."""
     program = compiler()
     if program is None:
         raise FileNotFoundError("g++ is not installed")
     with tempfile.TemporaryDirectory() as folder:
         source, library = Path(folder, "model.cpp"), Path(folder, "model.so")
         source.write_text(text)
-        subprocess.run([program, *flags, "-shared", "-fPIC", "-w", "-o", library, source], check=True)
+        needed = [str(file) for file in libraries]
+        paths = [f"-Wl,-rpath,{folder}" for folder in sorted({str(Path(file).parent) for file in needed})]
+        subprocess.run([program, *flags, "-shared", "-fPIC", "-w", "-o", library, source, *needed, *paths], check=True)
         return ctypes.CDLL(str(library))

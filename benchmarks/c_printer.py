@@ -55,15 +55,19 @@ _CALLED = {
 
 
 class CPrinter:
-    """The source of a program for a method and a number of lanes, and where its numbers are."""
+    """The source of a program for a method and a number of lanes, and where its numbers are.
 
-    def __init__(self, program: Program, method: Method, lanes: int) -> None:
+    With `observes` its `observe` is printed, too, and single functions can be called.
+    """
+
+    def __init__(self, program: Program, method: Method, lanes: int, *, observes: bool = False) -> None:
         if method not in (Method.EULER, Method.SEMI_IMPLICIT):
             raise ValueError(f"{method} is not printed as C")
         if program.guards is not None or program.corrections:
             raise ValueError("programs with events or corrections are not printed as C")
         self._program = with_reciprocals(program)
         self._method = method
+        self._observes = observes
         self._lanes = lanes
         self._numbers = number_solves(self._program)
         self._lines: list[str] = []
@@ -78,6 +82,7 @@ class CPrinter:
         self.regions: dict[str, int] = {}
         for array in (Array.STATE, Array.RATE, Array.DISCRETE, Array.PARAMETER, Array.UNKNOWN, Array.POWER):
             self.regions[array] = self._new_rows(layout.lengths.get(array, 0))
+        self.regions[Array.SIGNAL] = self._new_rows(layout.lengths.get(Array.SIGNAL, 0) if observes else 0)
         for name in ("integral", "activity"):
             self.regions[name] = self._new_rows(layout.lengths.get(Array.POWER, 0))
         self.text = self._source()
@@ -95,7 +100,8 @@ class CPrinter:
 
     def _source(self) -> str:
         program = self._program
-        continuous = (program.rates, program.displacement_rates)
+        observed = (program.observe,) if self._observes else ()
+        continuous = (program.rates, program.displacement_rates, *observed)
         levels = node_levels(continuous, program.layout)
         nodes = frontier(continuous, levels)
         kept: dict[Expr, int] = {}
@@ -104,10 +110,13 @@ class CPrinter:
         self._kept("refresh", [node for node in nodes if levels[node] is Level.SAMPLE], kept)
         self._function("rates", program.rates, kept)
         self._function("displacement_rates", program.displacement_rates, kept)
+        for function in observed:
+            self._function("observe", function, kept)
         for k, function in enumerate(program.samples):
             self._function(f"sample{k}", function, fixed)
         head = f"#define LANES {self._lanes}\n{_PRELUDE}\nstatic V sites[{max(1, self._sites)}][10];\n"
-        return "\n".join([head, *self._lines, self._loop()])
+        calls = _calls(len(program.samples)) if self._observes else ""
+        return "\n".join([head, *self._lines, self._loop(), calls])
 
     def _kept(self, name: str, nodes: Iterable[Expr], rows: dict[Expr, int]) -> None:
         body = _Body(self, rows)
@@ -332,6 +341,13 @@ class _Body:
         if node.op is Op.LOOKUP:
             return f"({k[0]} + {k[1]} * {name}[0]) + ({k[2]} + {k[3]} * {name}[0]) * {name}[1]"
         return f"{k[1]} + {k[3]} * {name}[1]" if node.data == 0 else f"{k[2]} + {k[3]} * {name}[0]"
+
+
+def _calls(samples: int) -> str:
+    """Functions that can be called one by one."""
+    bodies = {"begin": f"prepare({PASSED}); refresh({PASSED});", "f": f"rates({PASSED});", "g": f"observe({PASSED});"}
+    bodies |= {f"s{k}": f"sample{k}({PASSED}); refresh({PASSED});" for k in range(samples)}
+    return "\n".join(f'extern "C" void call_{name}({ARGUMENTS}) {{ {body} }}' for name, body in bodies.items())
 
 
 def _literal(value: float) -> str:
