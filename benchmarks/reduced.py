@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.measure import Json, cpu_seconds, interleaved, ratios, spread
+from benchmarks.alone import Alone
+from benchmarks.measure import Json, interleaved, ratios, spread
 from benchmarks.part import Part, paragraph, rounded, shown, table
 from propermodel.analysis.activity import rank_activity
 from propermodel.codegen.machine import FloatArray, Method
@@ -37,6 +38,7 @@ LADDER = {
     Method.SEMI_IMPLICIT: tuple(1e-4 * 2.0 ** (k / 2) for k in range(14)),
     Method.RK4: tuple(2e-4 * 2.0 ** (k / 2) for k in range(13)),
     Method.ROS2: tuple(5e-4 * 2.0 ** (k / 2) for k in range(11)),
+    Method.RODAS: (1e-6, 1e-5, 1e-4, 1e-3, 1e-2),  # tolerances
 }
 ERRORS = (1e-3, 1e-2)  # fuel as a share, the others as rms over range
 REFERENCE = (Method.ROS2, 1.25e-4)
@@ -83,8 +85,10 @@ def measure(is_quick: bool) -> Json:
     }
 
 
-def _run(compiled: CompiledModel, scenario: Scenario, method: Method, step: float) -> Trajectory:
-    return simulate(compiled, scenario, method=method, step=step, record=[FUEL, *JUDGED], record_every=RECORD_EVERY)
+def _run(compiled: CompiledModel, scenario: Scenario, method: Method, value: float) -> Trajectory:
+    """A run at a step, or at a tolerance where the method chooses its steps."""
+    chosen = {"tolerance": value} if method.is_adaptive else {"step": value}
+    return simulate(compiled, scenario, method=method, record=[FUEL, *JUDGED], record_every=RECORD_EVERY, **chosen)
 
 
 def _answer(compiled: CompiledModel, scenario: Scenario, method: Method, step: float) -> Answer:
@@ -99,10 +103,10 @@ def _answer(compiled: CompiledModel, scenario: Scenario, method: Method, step: f
 def _race(
     models: Mapping[str, CompiledModel], scenario: Scenario, settings: Mapping[str, tuple[Method, float]], repeats: int
 ) -> Json:
-    """Both models in turn, in processor time."""
+    """Both models in turn."""
     tasks = {
-        name: lambda model=models[name], setting=settings[name]: cpu_seconds(lambda: _run(model, scenario, *setting))
-        for name in MODELS
+        name: partial(Alone(models[name], scenario, method).seconds, value)
+        for name, (method, value) in settings.items()
     }
     times = interleaved(tasks, repeats)
     return {
@@ -119,11 +123,12 @@ def _best(models: Mapping[str, CompiledModel], judged: Scenario, timed: Scenario
         exact = _answer(model, judged, *REFERENCE)
         trials[name] = []
         for method, steps in LADDER.items():
+            alone = Alone(model, timed, method)
             for step in steps:
                 error = _answer(model, judged, method, step).error(exact)
                 if not math.isfinite(error):
                     break
-                seconds = min(cpu_seconds(partial(_run, model, timed, method, step)) for _ in range(2))
+                seconds = min(alone.seconds(step) for _ in range(2))
                 trials[name].append((error, seconds, method, step))
     found: list[Json] = []
     for most in ERRORS:
@@ -140,12 +145,17 @@ def _best(models: Mapping[str, CompiledModel], judged: Scenario, timed: Scenario
     return found
 
 
+def _named(method: str, step: float) -> str:
+    is_adaptive = Method(method).is_adaptive
+    return f"{method}, tolerance {step:.0e}" if is_adaptive else f"{method}, {rounded(1e3 * step)} ms"
+
+
 def write(data: Json, _: Path) -> list[str]:
     """The tables."""
     states = data["states"]
     same = [
         [
-            f"{case['settings']['full']['method']}, {1e3 * case['settings']['full']['step']:g} ms",
+            _named(**case["settings"]["full"]),
             shown(case["seconds"]["full"]),
             shown(case["seconds"]["reduced"]),
             shown(case["ratio"]),
@@ -157,23 +167,19 @@ def write(data: Json, _: Path) -> list[str]:
         if "missing" in case:
             best.append([f"{100 * case['error']:g} %", "-", "-", f"no step will do: {', '.join(case['missing'])}"])
             continue
-        used = [
-            f"{case['settings'][name]['method']}, {rounded(1e3 * case['settings'][name]['step'])} ms: "
-            + shown(case["seconds"][name])
-            for name in MODELS
-        ]
+        used = [f"{_named(**case['settings'][name])}: {shown(case['seconds'][name])}" for name in MODELS]
         best.append([f"{100 * case['error']:g} %", *used, shown(case["ratio"])])
     return [
         paragraph(
             f"The truck of {states['full']} states and the one that a threshold of 99 % of the activity leaves, with",
             f"{states['reduced']} states and {data['removed']} elements removed; the first",
             f"{data['timed']:g} s of the mission,",
-            f"processor seconds, median and quartiles of {data['repeats']} interleaved repeats. At",
+            f"processor seconds of the run alone, median and quartiles of {data['repeats']} interleaved repeats. At",
             "the same method and step:",
         ),
         *table(["method and step", "full s", "reduced s", "full / reduced"], same),
         paragraph(
-            "Each at the method and step that is fastest for an error, against a converged run of",
+            "Each at the method and step (or tolerance) that is fastest for an error, against a converged run of",
             "the same model: of fuel",
             "as a share, of accumulator pressure, engine speed and vehicle speed as rms over range,",
             f"over {data['judged']:g} s.",

@@ -10,12 +10,12 @@ from time import process_time
 
 import numpy as np
 
+from benchmarks.alone import Alone
 from benchmarks.hybrid import Hybrid, Outcome, scales
 from benchmarks.measure import Json, interleaved, spread
 from benchmarks.part import Part, paragraph, rounded, shown, table
 from benchmarks.solver_peers import peers
-from propermodel.codegen.machine import QUADRATURE, FloatArray, Memory, Method, Request
-from propermodel.codegen.native import NativeMachine
+from propermodel.codegen.machine import QUADRATURE, FloatArray, Memory, Method
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.diagnostics import Path, parse_path
 from propermodel.library.vehicle.mission import mission
@@ -23,7 +23,6 @@ from propermodel.library.vehicle.truck import HybridTruck
 from propermodel.modelling.elaborate import elaborate
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import simulate
-from propermodel.simulation.start import start_of
 
 FUEL = parse_path("engine.fuel_meter.mass")
 OURS: Mapping[tuple[Method, int], tuple[float, ...]] = {
@@ -31,7 +30,10 @@ OURS: Mapping[tuple[Method, int], tuple[float, ...]] = {
     (Method.RK4, 1): (4e-4, 2e-4),
     (Method.ROS2, 1): (1e-2, 5e-3, 2e-3, 1e-3, 5e-4),
     (Method.ROS2, 4): (2e-3, 1e-3, 5e-4),
+    (Method.RODAS, 1): (1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
+    (Method.DOPRI5, 1): (1e-3, 1e-5),
 }
+STAGES = 6  # of the methods that choose their steps
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 REFERENCE_STEP = 2.5e-5
 REPEATS = 3
@@ -65,7 +67,7 @@ def measure(is_quick: bool) -> Json:
     scenario = mission("fmtv_mixed", until=10.0 if is_quick else 60.0)
     hybrid = Hybrid(truck, scenario)
     scale = _scale(truck, scenario, hybrid)
-    exact = _answer(truck, _ours(truck, scenario, Method.ROS2, REFERENCE_STEP, 1)().memory)
+    exact = _answer(truck, Alone(truck, scenario, Method.ROS2).run(REFERENCE_STEP))
     settings, missing = _settings(truck, scenario, hybrid, scale)
     rows: list[Json] = []
     tasks: dict[str, Callable[[], float]] = {}
@@ -105,15 +107,13 @@ def _timed(run: Callable[[], object]) -> float:
 def _settings(
     truck: CompiledModel, scenario: Scenario, hybrid: Hybrid, scale: FloatArray
 ) -> tuple[list[Setting], dict[str, str]]:
-    found = [
-        Setting(
-            f"propermodel {method}" + (f", LU kept {every} steps" if every > 1 else ""),
-            f"{1e3 * step:g} ms",
-            _ours(truck, scenario, method, step, every),
-        )
-        for (method, every), steps in OURS.items()
-        for step in steps
-    ]
+    found: list[Setting] = []
+    alone = {method: Alone(truck, scenario, method) for method, _ in OURS}
+    for (method, every), values in OURS.items():
+        name = f"propermodel {method}" + (f", LU kept {every} steps" if every > 1 else "")
+        for value in values:
+            text = f"{value:.0e}" if method.is_adaptive else f"{1e3 * value:g} ms"
+            found.append(Setting(name, text, _ours(alone[method], method, value, every)))
     missing: dict[str, str] = {}
     for name, run in peers(hybrid, scale).items():
         if isinstance(run, str):
@@ -123,17 +123,12 @@ def _settings(
     return found, missing
 
 
-def _ours(
-    truck: CompiledModel, scenario: Scenario, method: Method, step: float, jacobian_every: int
-) -> Callable[[], Outcome]:
-    machine = NativeMachine(truck.lowered.program, method, long_run=0)
-    start = start_of(truck, scenario).memory
-    request = Request(until=scenario.stop, step=step, jacobian_every=jacobian_every, most_ticks=10**9)
+def _ours(alone: Alone, method: Method, value: float, jacobian_every: int = 1) -> Callable[[], Outcome]:
+    stages = STAGES if method.is_adaptive else len(QUADRATURE[method])
 
     def run() -> Outcome:
-        memory = start.copy()
-        machine.run(memory, request)
-        return Outcome(memory, memory.steps_taken, memory.steps_taken * len(QUADRATURE[method]))
+        memory = alone.run(value, jacobian_every)
+        return Outcome(memory, memory.steps_taken, (memory.steps_taken + memory.steps_rejected) * stages)
 
     return run
 
