@@ -1,11 +1,17 @@
-"""Part e: missions of the full truck, one after the other, side by side in vector lanes, and in threads."""
+"""Part e: missions of the full truck, one after the other, side by side in vector lanes, and in threads.
+
+And the memory that ten thousand designs of a small model take, in a process of their own.
+"""
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -24,48 +30,74 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.ensemble import designs, simulate_many
 from propermodel.simulation.start import parameter_values
 
-METHODS = ((Method.SEMI_IMPLICIT, 2e-4, 1), (Method.ROS2, 2e-3, 4))
+
+@dataclass(frozen=True)
+class Case:
+    """A method, and how much of the mission it is measured on: with long steps starts weigh more."""
+
+    method: Method
+    step: float
+    jacobian_every: int
+    window: float  # s
+
+
+CASES = (Case(Method.SEMI_IMPLICIT, 2e-4, 1, 200.0), Case(Method.ROS2, 5e-3, 2, 2200.0))
+QUICK = 0.1  # of the window
 REPEATS = 5
 FUEL = "engine.fuel_meter.mass"
 SPREAD = 0.05
 DRAWN = 48  # designs with all parameters drawn, of which none may be lost
+
+# Peak memory before and after, in MB.
+MEMORY = """
+import json, resource
+import numpy as np
+import propermodel as pm
+from examples.quarter_car import QuarterCar, scenario
+
+def peak():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+
+car = pm.compile_model(pm.elaborate(QuarterCar()))
+every = pm.designs(scenario(), {"suspension.damping": np.linspace(500.0, 4000.0, 10_000)})
+pm.simulate_many(car, every[:8], step=1e-3)
+before = peak()
+runs = pm.simulate_many(car, every, step=1e-3)
+found = {"count": len(runs), "failed": len(runs.failed), "before": before, "peak": peak()}
+print(json.dumps(found | {"wall_s": runs.statistics.wall_s, "observables": len(runs.paths)}))
+"""
 
 
 def measure(is_quick: bool) -> Json:
     """Missions a minute for each method, number of lanes and number of threads; and how many of drawn designs fail."""
     truck = compile_model(elaborate(HybridTruck()))
     full = mission("fmtv_mixed")
-    window = 20.0 if is_quick else 200.0
+    share = QUICK if is_quick else 1.0
     best = best_lanes(Backend.NATIVE)
     cores = os.cpu_count() or 1
-    cases = [
-        _measure(
-            truck, replace(full, stop=window), full.stop - full.start, setting, best, cores, 3 if is_quick else REPEATS
-        )
-        for setting in METHODS
-    ]
-    drawn = replace(full, stop=window if is_quick else full.stop)
+    repeats = 3 if is_quick else REPEATS
+    cases = [_measure(truck, full, case, share * case.window, best, cores, repeats) for case in CASES]
+    drawn = replace(full, stop=share * full.stop)
     return {
-        "window": window,
         "mission": full.stop,
         "lanes": best,
         "cores": cores,
         "cases": cases,
         "drawn": _drawn(truck, drawn),
+        "memory": _memory(),
     }
 
 
+def _memory() -> Json:
+    done = subprocess.run([sys.executable, "-c", MEMORY], check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)
+
+
 def _measure(
-    truck: CompiledModel,
-    scenario: Scenario,
-    span: float,
-    setting: tuple[Method, float, int],
-    best: int,
-    cores: int,
-    repeats: int,
+    truck: CompiledModel, full: Scenario, case: Case, window: float, best: int, cores: int, repeats: int
 ) -> Json:
-    method, step, jacobian_every = setting
     count = 2 * best * cores
+    scenario = replace(full, stop=full.start + window)
     many = designs(scenario, {"sprung_mass": np.linspace(12_000.0, 14_000.0, count)})
 
     def run(lanes: int, threads: int, clock: Callable[[], float]) -> float:
@@ -73,15 +105,15 @@ def _measure(
         simulate_many(
             truck,
             many,
-            method=method,
-            step=step,
-            jacobian_every=jacobian_every,
+            method=case.method,
+            step=case.step,
+            jacobian_every=case.jacobian_every,
             record=[FUEL],
             lanes=lanes,
             threads=threads,
         )
         # Of one whole mission.
-        return (clock() - begin) / count * span / (scenario.stop - scenario.start)
+        return (clock() - begin) / count * (full.stop - full.start) / window
 
     tasks = {
         f"{lanes} {threads}": lambda n=lanes, m=threads: run(n, m, time.perf_counter)
@@ -91,9 +123,10 @@ def _measure(
     walls = interleaved(tasks, repeats)
     cpu = interleaved(processor, repeats)
     return {
-        "method": method.value,
-        "step": step,
-        "jacobian_every": jacobian_every,
+        "method": case.method.value,
+        "step": case.step,
+        "jacobian_every": case.jacobian_every,
+        "window": window,
         "per_core_minute": {name: spread(60.0 / value for value in values).json() for name, values in cpu.items()},
         "lanes_gain": ratios(cpu["1"], cpu[str(best)]).json(),
         "per_minute": {name: spread(60.0 / value for value in values).json() for name, values in walls.items()},
@@ -112,9 +145,14 @@ def _drawn(truck: CompiledModel, scenario: Scenario) -> Json:
         if parameter.value.op is Op.CONSTANT and value != 0.0 and path.name != "period":
             drawn = value * random.uniform(1.0 - SPREAD, 1.0 + SPREAD, DRAWN)
             sets[path] = np.clip(drawn, parameter.low, parameter.high)
-    method, step, jacobian_every = METHODS[1]
+    case = CASES[1]
     runs = simulate_many(
-        truck, designs(scenario, sets), method=method, step=step, jacobian_every=jacobian_every, record=[FUEL]
+        truck,
+        designs(scenario, sets),
+        method=case.method,
+        step=case.step,
+        jacobian_every=case.jacobian_every,
+        record=[FUEL],
     )
     return {
         "count": DRAWN,
@@ -131,7 +169,7 @@ def write(data: Json, _: FilePath) -> list[str]:
     rows = []
     for case in data["cases"]:
         shared = f", LU kept {case['jacobian_every']} steps" if case["jacobian_every"] > 1 else ""
-        name = f"{case['method']}, {1e3 * case['step']:g} ms{shared}"
+        name = f"{case['method']}, {1e3 * case['step']:g} ms{shared}; {case['window']:g} s"
         rows.append(
             [
                 name,
@@ -142,12 +180,11 @@ def write(data: Json, _: FilePath) -> list[str]:
                 shown(case["threads_gain"]),
             ]
         )
-    drawn = data["drawn"]
+    drawn, memory = data["drawn"], data["memory"]
     failed = "none failed" if not drawn["failed"] else f"{len(drawn['failed'])} failed: {'; '.join(drawn['failed'])}"
     return [
         paragraph(
-            f"`pm.simulate_many` on the full truck, first {data['window']:g} s of its mission, told",
-            "as whole missions of",
+            "`pm.simulate_many` on the full truck, the first seconds of its mission, told as whole missions of",
             f"{data['mission']:g} s: missions a minute of one core (processor time) in one lane and",
             f"in {best}, and missions a",
             f"minute of the whole machine with {best} lanes on {cores} threads.",
@@ -167,6 +204,12 @@ def write(data: Json, _: FilePath) -> list[str]:
             f"{drawn['count']} designs with {drawn['parameters']} parameters drawn within 5 %,",
             f"{drawn['window']:g} s each, by",
             f"{data['cases'][1]['method']} in steps of {1e3 * data['cases'][1]['step']:g} ms: {failed}.",
+        ),
+        "",
+        paragraph(
+            f"{memory['count']} designs of a quarter car, 10 s in steps of 1 ms, with the final values of all",
+            f"{memory['observables']} observables: {memory['wall_s']:.0f} s on all cores, {memory['failed']} failed;",
+            f"{memory['before']:.0f} MB of memory before and {memory['peak']:.0f} MB at most.",
         ),
     ]
 

@@ -29,6 +29,7 @@ OURS: Mapping[tuple[Method, int], tuple[float, ...]] = {
     (Method.SEMI_IMPLICIT, 1): (4e-4, 2e-4, 1e-4, 5e-5),
     (Method.RK4, 1): (4e-4, 2e-4),
     (Method.ROS2, 1): (1e-2, 5e-3, 2e-3, 1e-3, 5e-4),
+    (Method.ROS2, 2): (5e-3,),
     (Method.ROS2, 4): (2e-3, 1e-3, 5e-4),
     (Method.RODAS, 1): (1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
     (Method.DOPRI5, 1): (1e-3, 1e-5),
