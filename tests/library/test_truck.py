@@ -6,8 +6,9 @@ import pytest
 from propermodel.analysis.activity import rank_activity
 from propermodel.analysis.balance import energy_balance
 from propermodel.analysis.sensitivities import sensitivities
+from propermodel.codegen.machine import Method
 from propermodel.diagnostics import parse_path
-from propermodel.expressions.core import as_expr
+from propermodel.expressions.core import Op, as_expr
 from propermodel.library.hydraulics import NITROGEN
 from propermodel.library.vehicle.mission import mission
 from propermodel.simulation.ensemble import designs, simulate_many
@@ -111,6 +112,27 @@ def test_the_sensitivity_of_the_fuel_is_the_limit_of_differences(hybrid):
             largest = np.abs(found.row_activity.slopes[:, k]).max()
             assert found.activity(row, name) == pytest.approx((more - less) / (2.0 * distance), abs=1e-4 * largest)
     assert found.at_end("engine.fuel_used", "sprung_mass", relative=True) > 0.0
+
+
+def test_no_design_within_five_percent_is_lost_with_implicit_steps(hybrid):
+    random = np.random.default_rng(20)
+    sets = {
+        path: np.clip(parameter.value.data[0] * random.uniform(0.95, 1.05, 8), parameter.low, parameter.high)
+        for path, parameter in hybrid.graph.parameters.items()
+        # Those that follow from others follow them; lanes sample their controllers together.
+        if parameter.value.op is Op.CONSTANT and path.name != "period"
+    }
+    assert len(sets) > 150
+    every = designs(mission("fmtv_mixed", until=40.0), sets)
+    fuel = parse_path("engine.fuel_meter.mass")
+    settings = {"method": Method.ROS2, "step": 5e-3, "jacobian_every": 2, "record": [fuel]}
+    runs = simulate_many(hybrid, every, **settings)
+    assert runs.failed == ()
+    assert np.all(np.isfinite(runs.activities))
+    assert np.ptp(runs.at_end(fuel)) > 0.01 * np.mean(runs.at_end(fuel))
+    alone = simulate(hybrid, every[5], **settings)
+    assert alone.at_end(fuel) == runs.at_end(fuel)[5]
+    np.testing.assert_array_equal(alone.memory.activity, runs.activities[5])
 
 
 @pytest.mark.slow
