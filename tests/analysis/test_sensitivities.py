@@ -10,6 +10,7 @@ import pytest
 
 import propermodel as pm
 from propermodel.diagnostics import SimulationError
+from propermodel.expressions.core import Op
 from propermodel.library.electrical import Capacitor, ConstantVoltage, Ground, Resistor
 from propermodel.library.mechanics.translation import Damper, Fixed, Mass, Spring, Weight
 from tests.examples.runs import run_of
@@ -338,6 +339,25 @@ def test_names_that_were_not_asked_for_are_no_answers():
         found.at_end("capacitor.port.effort", "idle")
     with pytest.raises(SimulationError, match="is no row of the ranking"):
         found.activity("battery", "half")
+
+
+def test_parameters_that_fill_several_groups_of_lanes_have_the_answers_they_have_alone():
+    run, _ = run_of("quarter_car")
+    constants = [str(path) for path, p in run.compiled.graph.parameters.items() if p.value.op is Op.CONSTANT]
+    assert len(constants) > 8
+    outputs = ["body.flange.flow", "tyre.spring.port.activity"]
+
+    def asked(parameters: list[str]) -> pm.Sensitivities:
+        scenario = replace(run.scenario, stop=1.0)
+        options = {"method": pm.Method.RK4, "step": 1e-3}
+        return pm.sensitivities(run.compiled, scenario, parameters=parameters, outputs=outputs, **options)  # pyright: ignore[reportArgumentType]
+
+    together = asked(constants)
+    for name in (constants[0], constants[-1]):
+        alone = asked([name])
+        for output in outputs:
+            assert together[output, name] == pytest.approx(alone[output, name], rel=1e-9, abs=1e-12)
+        assert together.index("body", name) == pytest.approx(alone.index("body", name), rel=1e-9)
 
 
 def test_scenarios_may_change_between_calls_without_compiling():

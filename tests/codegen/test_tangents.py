@@ -26,7 +26,7 @@ def asked(
     """An example with its tangents along some parameters."""
     compiled = run_of(name)[0].compiled
     paths = [pm.Path(parameter.split(".")) for parameter in parameters]
-    directions = tuple(Direction(path, (compiled.graph.parameters[path].symbol,)) for path in paths)
+    directions = tuple(Direction((compiled.graph.parameters[path].symbol,)) for path in paths)
     prepared = compiled.tangents(method, directions, (0, 1), tuple(range(len(compiled.lowered.powers))))
     return compiled, module(name).scenario(), prepared, paths
 
@@ -35,7 +35,7 @@ def memory_of(
     compiled: pm.CompiledModel, scenario: pm.Scenario, tangents: TangentProgram, paths: list[pm.Path]
 ) -> Memory:
     rates = start_tangents(compiled, scenario, paths, lambda other: start_of(compiled, other), is_declared=True)
-    return tangent_memory(tangents, begin(compiled, scenario), rates)
+    return tangent_memory(tangents, begin(compiled, scenario), rates, range(len(paths)))
 
 
 def cases() -> list[tuple[str, tuple[str, ...]]]:
@@ -103,4 +103,4 @@ def test_a_large_block_is_refused_by_name(monkeypatch: pytest.MonkeyPatch):
     compiled = run_of("four_bar_linkage")[0].compiled
     path = compiled.lowered.parameters[0]
     with pytest.raises(SimulationError, match="sensitivities need the derivatives of"):
-        compiled.tangents(pm.Method.RK4, (Direction(path, (compiled.graph.parameters[path].symbol,)),), (), ())
+        compiled.tangents(pm.Method.RK4, (Direction((compiled.graph.parameters[path].symbol,)),), (), ())

@@ -22,7 +22,7 @@ from propermodel.simulation.start import Start, parameter_values, start_of
 from propermodel.simulation.start_tangents import StartTangents, start_tangents
 from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.table_store import TableStore
-from propermodel.simulation.tangent_run import Along, TangentRun, run_tangents, tangent_memory
+from propermodel.simulation.tangent_run import Along, TangentJob, TangentRun
 from propermodel.simulation.trajectory import Ending, Statistics, observable_path
 
 TICKS_AT_ONCE = 1000  # so that an interrupt (Ctrl-C) is heard
@@ -193,10 +193,6 @@ def sensitivities(
     """
     stepping = Stepping(Method.RODAS if method == AUTO else Method(method), step, jacobian_every)
     question = Question.asked(compiled, scenario, parameters, outputs, stepping, record_every)
-    before = time.perf_counter()
-    prepared = compiled.tangents(stepping.method, question.directions, question.signals, question.powers)
-    machine = prepared.machine()
-    build_s = time.perf_counter() - before
     store = TableStore()
 
     def begin(other: Scenario) -> Start:
@@ -205,22 +201,25 @@ def sensitivities(
     begun = begin(scenario)
     rates = start_tangents(compiled, scenario, question.parameters, begin, is_declared=start == "declared")
     before = time.perf_counter()
-    run = run_tangents(
-        compiled,
-        prepared.tangents,
-        machine,
-        tangent_memory(prepared.tangents, begun.memory, rates),
-        Request(
+    job = TangentJob(
+        compiled=compiled,
+        prepared=compiled.tangents(stepping.method, question.directions, question.signals, question.powers),
+        names=question.parameters,
+        request=Request(
             until=scenario.stop,
             step=stepping.longest(),
             row_period=record_every,
             most_ticks=TICKS_AT_ONCE,
             jacobian_every=jacobian_every,
         ),
-        question.powers,
-        question.signals,
-        question.kept,
+        signals=question.signals,
+        powers=question.powers,
+        kept=question.kept,
     )
+    job.prepared.machine(job.lanes)
+    build_s = time.perf_counter() - before
+    before = time.perf_counter()
+    run = job.run(begun.memory, rates)
     wall_s = time.perf_counter() - before
     flat = compiled.graph.parameters
     values = parameter_values(compiled, scenario.parameters)
@@ -253,7 +252,7 @@ def _notes(compiled: CompiledModel, question: Question, rates: StartTangents, ru
     for k, path in enumerate(question.parameters):
         effects = (run.signals, run.final_signals, run.final_work, run.final_activity)
         has_start = rates.state[k].any() or rates.discrete[k].any()
-        direction = question.directions[k]
+        direction = question.own_directions[k]
         if not (direction.at_one or direction.at_given or has_start):
             notes.append(f"{path} has no effect: nothing that is simulated depends on it")
         elif not any(effect.slopes[..., k].any() for effect in effects):

@@ -50,10 +50,14 @@ class Output:
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """Parameters and outputs that exist, of a model and scenario that have derivatives."""
+    """Parameters and outputs that exist, of a model and scenario that have derivatives.
+
+    Without events all parameters share one direction of the program, whose rates a run tells, lane by lane.
+    """
 
     parameters: tuple[Path, ...]
-    directions: tuple[Direction, ...]
+    own_directions: tuple[Direction, ...]  # of each parameter
+    has_events: bool
     outputs: tuple[Output, ...]
     signals: tuple[int, ...]  # entries of SIGNAL that the outputs need
     powers: tuple[int, ...]  # entries of POWER that the outputs and rows need
@@ -91,13 +95,22 @@ class Question:
         faults.raise_if_any()
         return Question(
             parameters=names,
-            directions=tuple(_direction(compiled, path, scenario.parameters) for path in names),
+            own_directions=tuple(_direction(compiled, path, scenario.parameters) for path in names),
+            has_events=bool(compiled.system.events),
             outputs=tuple(found),
             signals=tuple(entries.signals),
             powers=tuple(entries.powers),
             rows=tuple(rows),
             row_places=row_places,
         )
+
+    @property
+    def directions(self) -> tuple[Direction, ...]:
+        """The directions of the program."""
+        if self.has_events or len(self.own_directions) == 1:
+            return self.own_directions
+        moved = (leaf for own in self.own_directions for leaf in (*own.at_one, *own.at_given))
+        return (Direction((), tuple(dict.fromkeys(moved))),)
 
     @property
     def kept(self) -> tuple[int, ...]:
@@ -207,7 +220,7 @@ def _direction(compiled: CompiledModel, path: Path, given: Container[Path]) -> D
             equal[follower.symbol] = follower.path
         elif follower.path in read:
             others.append(follower.symbol)
-    return Direction(path, tuple(symbol for symbol, name in equal.items() if name in read), tuple(others))
+    return Direction(tuple(symbol for symbol, name in equal.items() if name in read), tuple(others))
 
 
 def _faults_of_parameters(compiled: CompiledModel, names: Sequence[Path]) -> Iterator[Diagnostic]:

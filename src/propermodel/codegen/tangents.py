@@ -27,7 +27,6 @@ _KEPT = (Array.STATE, Array.DISCRETE, Array.FACTOR, Array.STAGE)
 class Direction:
     """The parameters of a program that change along it, at the rate one or at rates that a run tells."""
 
-    name: Path
     at_one: tuple[Expr, ...]
     at_given: tuple[Expr, ...] = ()
 

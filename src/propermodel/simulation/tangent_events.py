@@ -27,9 +27,12 @@ class TangentEvents:
         SimulationError: an instant has no derivative.
     """
 
-    def __init__(self, tangents: TangentProgram, elements: Sequence[Path], machine: Machine) -> None:
+    def __init__(
+        self, tangents: TangentProgram, elements: Sequence[Path], names: Sequence[Path], machine: Machine
+    ) -> None:
         self._tangents = tangents
         self._elements = elements  # of the events, in the order of their guards
+        self._names = names  # of the directions
         self._machine = machine
         self._moves: FloatArray = np.zeros(len(tangents.directions))  # of the instant, with each parameter
 
@@ -44,7 +47,7 @@ class TangentEvents:
                 raise SimulationError.of(
                     "simulation/sensitivities",
                     f"the instant at which {self._elements[number]} acts has no derivative with respect to "
-                    f"{tangents.directions[k].name}: its condition is only just reached, or jumps",
+                    f"{self._names[k]}: its condition is only just reached, or jumps",
                     help="take differences of two runs with slightly different parameters",
                 )
             self._moves[k] = -change / in_time if change else 0.0

@@ -1,33 +1,29 @@
-"""A run that carries the derivatives of everything with respect to parameters along."""
+"""A run that carries the derivatives of everything with respect to parameters along.
+
+Every parameter has a lane of its own, where the model has no events: the run is the same in all lanes, and costs little
+more than in one. With events, the parameters are directions of one lane.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propermodel.codegen.machine import (
-    Failure,
-    FloatArray,
-    Machine,
-    Memory,
-    Outcome,
-    Request,
-    Status,
-    start_memory,
-)
+from propermodel.codegen.build import best_lanes
+from propermodel.codegen.machine import BoolArray, FloatArray, Machine, Memory, Request, Status, start_memory
 from propermodel.codegen.program import Array
-from propermodel.codegen.schedule import number_solves
 from propermodel.codegen.tangents import TangentProgram
-from propermodel.compiler import CompiledModel
+from propermodel.compiler import Backend, CompiledModel, CompiledTangents
 from propermodel.diagnostics import Path
-from propermodel.simulation.endings import failed_ending, overflow_ending
 from propermodel.simulation.events import Events
-from propermodel.simulation.overflow import Overflow
+from propermodel.simulation.side_by_side import joined, lane_of
 from propermodel.simulation.start_tangents import StartTangents
+from propermodel.simulation.tangent_endings import ending_at_stop, ending_of_failure
 from propermodel.simulation.tangent_events import TangentEvents
-from propermodel.simulation.trajectory import Ending, RunStatus
+from propermodel.simulation.trajectory import Ending
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +37,10 @@ class Along:
         """Some of the quantities."""
         chosen = list(places)
         return Along(self.values[..., chosen], self.slopes[..., chosen, :])
+
+    def plus(self, number: float) -> Along:
+        """Values and derivatives plus a number: zero, or no number where nothing is known."""
+        return Along(self.values + number, self.slopes + number)
 
     def times(self, other: Along) -> Along:
         """The products with other quantities, as many."""
@@ -66,14 +66,19 @@ class TangentRun:
     steps: int
 
 
-def tangent_memory(tangents: TangentProgram, begun: Memory, rates: StartTangents) -> Memory:
-    """The memory at the start of a run with tangents."""
-    moving = [rates.parameters[seed.direction].get(seed.parameter, 0.0) for seed in tangents.seeds]
+def lanes_for(count: int, backend: Backend) -> int:
+    """How many lanes serve so many parameters: the smallest power of two that holds them, or a whole vector."""
+    return min(best_lanes(backend), 1 << (count - 1).bit_length())
+
+
+def tangent_memory(tangents: TangentProgram, begun: Memory, rates: StartTangents, numbers: Sequence[int]) -> Memory:
+    """The memory at the start of a run with tangents, whose directions are these of the parameters."""
+    moving = [rates.parameters[numbers[seed.direction]].get(seed.parameter, 0.0) for seed in tangents.seeds]
     memory = start_memory(
         tangents.program,
         {
-            Array.STATE: np.concatenate([begun.state, rates.state.ravel()]),
-            Array.DISCRETE: np.concatenate([begun.discrete, rates.discrete.ravel()]),
+            Array.STATE: np.concatenate([begun.state, rates.state[numbers].ravel()]),
+            Array.DISCRETE: np.concatenate([begun.discrete, rates.discrete[numbers].ravel()]),
             Array.PARAMETER: np.concatenate([begun.parameter, moving]),
             Array.UNKNOWN: begun.unknown,
         },
@@ -85,149 +90,185 @@ def tangent_memory(tangents: TangentProgram, begun: Memory, rates: StartTangents
     return memory
 
 
-def run_tangents(
-    compiled: CompiledModel,
-    tangents: TangentProgram,
-    machine: Machine,
-    memory: Memory,
-    request: Request,
-    powers: Sequence[int],
-    signals: Sequence[int],
-    kept: Sequence[int] = (),
-) -> TangentRun:
-    """Run to the end, or to where a number ceases to be finite.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TangentJob:
+    """What the runs of all parameters have in common.
 
-    Args:
-        compiled: The model.
-        tangents: Its program with tangents.
-        machine: What executes that.
-        memory: The start; it moves to the end.
-        request: The window, step and rows; signals are chosen already.
-        powers: The entries of POWER that the program has.
-        signals: The entries of SIGNAL that the program has.
-        kept: Which of these have rows, too.
+    `signals` and `powers` are the entries of SIGNAL and POWER that the program has; of the `kept` places among these
+    powers integrals have rows.
     """
-    request = replace(
-        request,
-        selected=np.arange(machine.program.layout.lengths[Array.SIGNAL], dtype=np.int64),
-        integral_period=request.row_period if kept else np.inf,
-    )
-    times: list[FloatArray] = [np.zeros(0)]
-    rows: list[FloatArray] = [np.zeros((0, request.selected.size))]
-    work: list[Along] = []
-    activity: list[Along] = []
-    events = _events(compiled, tangents, machine, request.step, signals) if compiled.system.events else None
-    ending = None if events is None else events.begin(memory)
-    while ending is None:
-        before = memory.copy()
-        outcome = machine.run(memory, request)
-        times.append(outcome.row_times)
-        rows.append(outcome.rows)
-        if kept:
-            work.append(_work(tangents, outcome.integrals).of(kept))
-            activity.append(_activity(tangents, outcome.integrals, outcome.activities).of(kept))
-        if outcome.status is Status.EVENT and events is not None:
-            ending = events.happen(memory, outcome.step)
-        elif outcome.status is not Status.PAUSED:
-            ending = _ending(compiled, tangents, outcome, memory, before, powers)
-    unknown = 0.0 if ending.is_complete else np.nan
-    last = machine.observe(memory) if ending.is_complete else np.full(request.selected.size, np.nan)
-    return TangentRun(
-        time=np.concatenate(times),
-        signals=_signals(tangents, np.concatenate(rows)),
-        work=_joined(work),
-        activity=_joined(activity),
-        final_signals=_signals(tangents, last),
-        final_work=_work(tangents, memory.integral + unknown),
-        final_activity=_activity(tangents, memory.integral + unknown, memory.activity + unknown),
-        ending=ending,
-        steps=memory.steps_taken,
-    )
+
+    compiled: CompiledModel
+    prepared: CompiledTangents
+    names: tuple[Path, ...]  # of the parameters
+    request: Request
+    signals: tuple[int, ...]
+    powers: tuple[int, ...]
+    kept: tuple[int, ...]
+
+    @property
+    def _tangents(self) -> TangentProgram:
+        return self.prepared.tangents
+
+    @property
+    def lanes(self) -> int:
+        """How many lanes the machine has."""
+        if self.compiled.system.events:
+            return 1
+        return lanes_for(len(self.names), self.prepared.backend)
+
+    def run(self, begun: Memory, rates: StartTangents) -> TangentRun:
+        """Run to the end, or to where a number ceases to be finite; the machine should have been made before.
+
+        Args:
+            begun: The start.
+            rates: How it changes with the parameters.
+        """
+        width = len(self._tangents.directions)
+        numbers = range(len(self.names))
+        memories = [tangent_memory(self._tangents, begun, rates, numbers[i : i + width]) for i in numbers[::width]]
+        lanes = self.lanes
+        groups = [(i, memories[i : i + lanes]) for i in range(0, len(memories), lanes)]
+
+        def run_group(group: tuple[int, list[Memory]]) -> TangentRun:
+            first, members = group
+            return self._group(members, lanes, self.names[first * width : (first + len(members)) * width])
+
+        if len(groups) == 1:
+            return run_group(groups[0])
+        with ThreadPoolExecutor() as pool:
+            return _side_by_side(list(pool.map(run_group, groups)))
+
+    def _group(self, members: Sequence[Memory], lanes: int, names: Sequence[Path]) -> TangentRun:
+        """The run of as many parameters as a machine takes."""
+        machine, memory, count = self.prepared.machine(lanes), joined(members, lanes), len(members)
+        request = replace(
+            self.request,
+            selected=np.arange(machine.program.layout.lengths[Array.SIGNAL], dtype=np.int64),
+            integral_period=self.request.row_period if self.kept else np.inf,
+        )
+
+        def each(values: FloatArray) -> FloatArray:
+            """With an axis of the members, last."""
+            return values[..., np.newaxis] if lanes == 1 else values[..., :count]
+
+        times: list[FloatArray] = [np.zeros(0)]
+        rows: list[FloatArray] = [np.zeros((0, request.selected.size, count))]
+        work: list[Along] = []
+        activity: list[Along] = []
+        events = self._events(machine) if self.compiled.system.events else None
+        ending = None if events is None else events.begin(memory)
+        while ending is None:
+            before = memory.copy()
+            outcome = machine.run(memory, request)
+            times.append(outcome.row_times)
+            rows.append(each(outcome.rows))
+            if self.kept:
+                integrals, activities = each(outcome.integrals), each(outcome.activities)
+                work.append(self._work(integrals).of(self.kept))
+                activity.append(self._activity(integrals, activities).of(self.kept))
+            failure = next((failure for failure in outcome.failures if failure.lane < count), None)
+            if failure is not None:
+                here, there = lane_of(memory, failure.lane), lane_of(before, failure.lane)
+                own = self._names_of(names, failure.lane)
+                ending = ending_of_failure(self.compiled, self._tangents, replace(failure, lane=0), here, there, own)
+            elif outcome.status is Status.EVENT and events is not None:
+                ending = events.happen(memory, outcome.step)
+            elif outcome.status is Status.FINISHED:
+                ending = self._stopped(memory, count, names)
+        unknown = 0.0 if ending.is_complete else np.nan
+        last = each(machine.observe(memory)) if ending.is_complete else np.full(rows[0].shape[1:], np.nan)
+        time = np.concatenate(times)
+        is_reached = time <= ending.time + 1e-9 * request.step
+        integral, size = each(memory.integral) + unknown, each(memory.activity) + unknown
+        return TangentRun(
+            time=time[is_reached],
+            signals=self._signals(np.concatenate(rows)[is_reached]),
+            work=_joined(work, is_reached),
+            activity=_joined(activity, is_reached),
+            final_signals=self._signals(last),
+            final_work=self._work(integral),
+            final_activity=self._activity(integral, size),
+            ending=ending,
+            steps=memory.steps_taken,
+        )
+
+    def _stopped(self, memory: Memory, count: int, names: Sequence[Path]) -> Ending:
+        endings = [
+            ending_at_stop(
+                self.compiled, self._tangents, lane_of(memory, lane), self.powers, self._names_of(names, lane)
+            )
+            for lane in range(count)
+        ]
+        return next((ending for ending in endings if not ending.is_complete), endings[0])
+
+    def _names_of(self, names: Sequence[Path], member: int) -> Sequence[Path]:
+        width = len(self._tangents.directions)
+        return names[member * width : (member + 1) * width]
+
+    def _events(self, machine: Machine) -> Events:
+        """The events of a run, as they happen to a program that has some of the signals only."""
+        lowered = self.compiled.lowered
+        place = {entry: number for number, entry in enumerate(self.signals)}
+        observables = {
+            path: replace(observable, index=place[observable.index])
+            for path, observable in lowered.observables.items()
+            if observable.index in place
+        }
+        program = self._tangents.program
+        seen = replace(self.compiled, lowered=replace(lowered, program=program, observables=observables))
+
+        def keep_nothing(time: float, signals: FloatArray) -> None:
+            """Rows stand at the recording instants only."""
+
+        elements = [event.element for event in self.compiled.system.events]
+        follower = TangentEvents(self._tangents, elements, self.names, machine)
+        return Events(seen, machine, self.request.step, keep_nothing, follower=follower)
+
+    def _signals(self, rows: FloatArray) -> Along:
+        return self._along(rows[..., : self._tangents.signals, 0], rows, self._tangents.signal)
+
+    def _work(self, integrals: FloatArray) -> Along:
+        return self._along(integrals[..., : self._tangents.powers, 0], integrals, self._tangents.power)
+
+    def _activity(self, integrals: FloatArray, activities: FloatArray) -> Along:
+        own = activities[..., : self._tangents.powers, 0]
+        return self._along(own, integrals, self._tangents.absolute_power)
+
+    def _along(self, own: FloatArray, numbers: FloatArray, place: Callable[[int], slice]) -> Along:
+        """Values with their tangents, which stand among numbers that have an axis of the members, last."""
+        directions = range(len(self._tangents.directions))
+        slopes = [numbers[..., place(k), member] for member in range(numbers.shape[-1]) for k in directions]
+        return Along(own, np.stack(slopes, axis=-1))
 
 
-def _events(
-    compiled: CompiledModel, tangents: TangentProgram, machine: Machine, step: float, signals: Sequence[int]
-) -> Events:
-    """The events of a run, as they happen to a program that has some of the signals only."""
-    lowered = compiled.lowered
-    place = {entry: number for number, entry in enumerate(signals)}
-    observables = {
-        path: replace(observable, index=place[observable.index])
-        for path, observable in lowered.observables.items()
-        if observable.index in place
-    }
-    seen = replace(compiled, lowered=replace(lowered, program=tangents.program, observables=observables))
-
-    def keep_nothing(time: float, signals: FloatArray) -> None:
-        """Rows stand at the recording instants only."""
-
-    elements = [event.element for event in compiled.system.events]
-    return Events(seen, machine, step, keep_nothing, follower=TangentEvents(tangents, elements, machine))
-
-
-def _joined(parts: Sequence[Along]) -> Along:
+def _joined(parts: Sequence[Along], is_reached: BoolArray) -> Along:
+    """What several calls gave, one after the other."""
     if not parts:
         return Along(np.zeros((0, 0)), np.zeros((0, 0, 0)))
-    return Along(np.concatenate([part.values for part in parts]), np.concatenate([part.slopes for part in parts]))
+    values, slopes = np.concatenate([p.values for p in parts]), np.concatenate([p.slopes for p in parts])
+    return Along(values[is_reached], slopes[is_reached])
 
 
-def _signals(tangents: TangentProgram, rows: FloatArray) -> Along:
-    directions = range(len(tangents.directions))
-    return Along(rows[..., : tangents.signals], np.stack([rows[..., tangents.signal(k)] for k in directions], axis=-1))
+def _side_by_side(runs: Sequence[TangentRun]) -> TangentRun:
+    """The runs of several groups as one, to where the first of them ended."""
+    first = min(runs, key=lambda run: (run.ending.is_complete, run.ending.time))
+    count = len(first.time)
 
+    def all_of(quantities: Sequence[Along], rows: slice) -> Along:
+        slopes = np.concatenate([quantity.slopes[rows] for quantity in quantities], axis=-1)
+        return Along(quantities[0].values[rows], slopes)
 
-def _work(tangents: TangentProgram, integrals: FloatArray) -> Along:
-    directions = range(len(tangents.directions))
-    return Along(
-        integrals[..., : tangents.powers], np.stack([integrals[..., tangents.power(k)] for k in directions], axis=-1)
-    )
-
-
-def _activity(tangents: TangentProgram, integrals: FloatArray, activities: FloatArray) -> Along:
-    directions = range(len(tangents.directions))
-    return Along(
-        activities[..., : tangents.powers],
-        np.stack([integrals[..., tangents.absolute_power(k)] for k in directions], axis=-1),
-    )
-
-
-def _ending(
-    compiled: CompiledModel,
-    tangents: TangentProgram,
-    outcome: Outcome,
-    memory: Memory,
-    before: Memory,
-    powers: Sequence[int],
-) -> Ending:
-    at = memory.time
-    if outcome.status is Status.FINISHED:
-        bad = ~(np.isfinite(memory.integral) & np.isfinite(memory.activity))
-        if not bad.any():
-            return Ending(RunStatus.COMPLETED, f"completed to {at:.6g} s", at)
-        own = np.flatnonzero(bad[: tangents.powers])
-        if own.size:
-            return overflow_ending(compiled, Overflow(at, tuple(powers[int(i)] for i in own)), memory)
-        entry = int(np.flatnonzero(bad)[0]) - tangents.powers
-        direction, place = divmod(entry, 2 * tangents.powers)
-        what = compiled.lowered.powers[powers[place % tangents.powers]].path
-        return _not_finite(at, f"energy exchanged at {what}", what, tangents, direction)
-    if outcome.status is Status.NOT_CONVERGED:
-        # The blocks of the program with tangents are some of those of the model, in another order.
-        solve = list(number_solves(tangents.program))[outcome.index]
-        number = number_solves(compiled.lowered.program)[solve]
-        return failed_ending(compiled, Failure(0, outcome.status, outcome.time, number), memory, before)
-    if outcome.index >= tangents.states:
-        direction, place = divmod(outcome.index - tangents.states, tangents.states)
-        what = compiled.system.states[place].path
-        return _not_finite(at, f"state {what}", what, tangents, direction)
-    return failed_ending(compiled, Failure(0, outcome.status, outcome.time, outcome.index), memory, before)
-
-
-def _not_finite(at: float, what: str, path: Path, tangents: TangentProgram, direction: int) -> Ending:
-    return Ending(
-        RunStatus.FAILED,
-        f"stopped at {at:.6g} s: the derivative of the {what} with respect to {tangents.directions[direction].name} "
-        "is no longer a finite number: a law has a vertical tangent there, or deviations grow without bound",
-        at,
-        path,
+    reached, every = slice(count), slice(None)
+    unknown = 0.0 if first.ending.is_complete else np.nan
+    return TangentRun(
+        time=first.time,
+        signals=all_of([run.signals for run in runs], reached),
+        work=all_of([run.work for run in runs], reached),
+        activity=all_of([run.activity for run in runs], reached),
+        final_signals=all_of([run.final_signals for run in runs], every).plus(unknown),
+        final_work=all_of([run.final_work for run in runs], every).plus(unknown),
+        final_activity=all_of([run.final_activity for run in runs], every).plus(unknown),
+        ending=first.ending,
+        steps=first.steps,
     )
