@@ -11,7 +11,7 @@ import os
 import sys
 from pathlib import Path
 
-from benchmarks import against_c, growth, lanes, reduced, starts, work_precision
+from benchmarks import against_c, ensembles, growth, lanes, reduced, starts, work_precision
 from benchmarks.conditions import conditions, load
 from benchmarks.document import write_document
 from benchmarks.measure import Json
@@ -22,6 +22,7 @@ PARTS: tuple[Part, ...] = (
     starts.PART,
     against_c.PART,
     work_precision.PART,
+    ensembles.PART,
     growth.PART,
     lanes.PART,
     reduced.PART,
