@@ -319,6 +319,7 @@ def test_an_equilibrium_moves_with_its_parameters():
         ("buck_converter", {}, "has ideal switches, which change its equations: switch, diode"),
         ("cruise_control", {"parameters": ["controller.period"]}, "it sets the sample period of controller"),
         ("quarter_car", {"parameters": []}, "no parameter is given"),
+        ("quarter_car", {"method": pm.Method.RODAS}, "rodas chooses its steps by their error"),
         ("quarter_car", {"parameters": ["body.mas"]}, "the model has no parameter 'body.mas'"),
         ("quarter_car", {"outputs": ["body.flange.flw"]}, "the model has no observable 'body.flange.flw'"),
         ("quarter_car", {"step": 0.0}, "it must be positive"),
@@ -358,6 +359,13 @@ def test_parameters_that_fill_several_groups_of_lanes_have_the_answers_they_have
         for output in outputs:
             assert together[output, name] == pytest.approx(alone[output, name], rel=1e-9, abs=1e-12)
         assert together.index("body", name) == pytest.approx(alone.index("body", name), rel=1e-9)
+
+
+def test_a_step_that_is_too_long_is_pointed_out():
+    run, _ = run_of("quarter_car")
+    scenario = replace(run.scenario, stop=2.0)
+    found = pm.sensitivities(run.compiled, scenario, parameters=["body.mass"], method=pm.Method.RK4, step=0.1)
+    assert any("is too long at the start" in note for note in found.notes)
 
 
 def test_scenarios_may_change_between_calls_without_compiling():

@@ -18,6 +18,7 @@ from propermodel.expressions.units import si_text
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.choosing import AUTO, Choice
 from propermodel.simulation.equilibrium import equilibrium_start
+from propermodel.simulation.stability import note_on_step
 from propermodel.simulation.start import Start, parameter_values, start_of
 from propermodel.simulation.start_tangents import StartTangents, start_tangents
 from propermodel.simulation.stepping import Stepping
@@ -199,6 +200,7 @@ def sensitivities(
         return start_of(compiled, other, store) if start == "declared" else equilibrium_start(compiled, other)
 
     begun = begin(scenario)
+    note = note_on_step(compiled, begun.memory, stepping.method, stepping.longest(), scenario.stop - scenario.start)
     rates = start_tangents(compiled, scenario, question.parameters, begin, is_declared=start == "declared")
     before = time.perf_counter()
     job = TangentJob(
@@ -242,7 +244,7 @@ def sensitivities(
         row_activity=run.final_activity.of(question.row_places),
         ending=run.ending,
         statistics=Statistics(steps=run.steps, wall_s=wall_s, build_s=build_s),
-        notes=(*begun.notes, *_notes(compiled, question, rates, run)),
+        notes=(*begun.notes, *([note] if note else []), *_notes(compiled, question, rates, run)),
     )
 
 

@@ -11,6 +11,7 @@ import typer
 from propermodel.cli.faults import FAULTS_FOUND
 from propermodel.cli.options import (
     AsJson,
+    JacobianOption,
     MethodOption,
     ModelText,
     OutputOption,
@@ -36,6 +37,7 @@ def sensitivities(
     until: Until = None,
     method: MethodOption = None,
     step: StepOption = None,
+    jacobian_every: JacobianOption = None,
     settings: SetOption = None,
     equilibrium: Annotated[
         bool, typer.Option("--equilibrium", help="Begin at the equilibrium that the scenario's start leads to.")
@@ -49,7 +51,13 @@ def sensitivities(
     from propermodel.compiler import compile_model
 
     subject = configured(
-        load_subject(model, scenario), until=until, method=method, step=step, settings=settings, outputs=output
+        load_subject(model, scenario),
+        until=until,
+        method=method,
+        step=step,
+        jacobian_every=jacobian_every,
+        settings=settings,
+        outputs=output,
     )
     found = find_sensitivities(
         compile_model(subject.model),
@@ -58,6 +66,7 @@ def sensitivities(
         outputs=subject.outputs,
         method=subject.method,
         step=subject.step,
+        jacobian_every=subject.jacobian_every,
         record_every=subject.scenario.stop - subject.scenario.start,
         start="equilibrium" if equilibrium else "declared",
     )
