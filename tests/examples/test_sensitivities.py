@@ -44,7 +44,7 @@ EXAMPLES = (
 )
 IMPLICIT = ("clutch", "cruise_control", "gas_spring", "planetary_gear", "slider_crank")
 MOVING = ("bouncing_ball", "stacked_balls", "thermostat")  # instants of events
-STEPS = 400
+STEPS = 200
 PARAMETERS = 4
 DISTANCE = 1e-7  # between runs, as a share of the parameter
 NOISE = 1e-12  # of the runs, as a share of the largest value

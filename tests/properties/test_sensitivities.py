@@ -23,7 +23,7 @@ def ends(model: CompiledModel, scenario: pm.Scenario) -> np.ndarray:
     return np.array([*run.memory.state, *(run.work(entry) for entry in rows)])
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(rigs())
 def test_sensitivities_are_the_limit_of_differences(rig: Rig):
     model = compile_quietly(pm.elaborate(rig.component()), backend=Backend.INTERPRETED)
