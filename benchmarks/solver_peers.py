@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
 from benchmarks.cvode_from_c import CvodeFromC, sundials_libraries
 from benchmarks.hybrid import Hybrid, Outcome
+from benchmarks.python_peers import Answer, with_numba
 from propermodel.codegen.machine import FloatArray
+from propermodel.compiler import CompiledModel
+from propermodel.modelling.model import Scenario
+from propermodel.simulation.side_by_side import joined
+from propermodel.simulation.start import start_of
 
-Run = Callable[[float], Outcome]  # of a tolerance
+Run = Callable[[float], Outcome]  # of a tolerance, or of a step
 
 
 def peers(hybrid: Hybrid, scale: FloatArray) -> dict[str, Run | str]:
@@ -29,6 +36,34 @@ def peers(hybrid: Hybrid, scale: FloatArray) -> dict[str, Run | str]:
         driven = CvodeFromC(hybrid)
         found["CVODE, from C"] = lambda tolerance: driven.run(tolerance, scale)
     return found
+
+
+NO_CODE = {
+    "CasADi CVODES": "the scalar graph of CasADi has no table look-ups, of which the truck has fifteen",
+    "diffrax Kvaerno5": "its implicit steps are not printed; JAX is measured with fixed steps among the ensembles",
+}
+
+
+def fixed_step_peers(compiled: CompiledModel, scenario: Scenario) -> dict[str, Run | str]:
+    """Peers that take fixed steps of semi-implicit Euler, as runs of a step."""
+    if find_spec("numba") is None:
+        return {"numba semi-implicit-euler": "numba is not installed"}
+    start = start_of(compiled, scenario).memory
+    one = joined([start, start], 2)
+    single = replace(one, **{name: getattr(one, name)[:, :1] for name in ("state", "discrete", "parameter", "unknown")})
+
+    @cache
+    def made(step: float) -> Callable[[], Answer]:
+        return with_numba(compiled.lowered.program, single, step, scenario.stop)
+
+    def run(step: float) -> Outcome:
+        states, activities = made(step)()
+        memory = start.copy()
+        memory.state[:], memory.activity[:], memory.time = states[0], activities[0], scenario.stop
+        steps = round((scenario.stop - scenario.start) / step)
+        return Outcome(memory, steps, steps)
+
+    return {"numba semi-implicit-euler": run}
 
 
 def _scipy(hybrid: Hybrid, scale: FloatArray, name: str, tolerance: float) -> Outcome:

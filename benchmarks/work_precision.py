@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path as FilePath
 from time import process_time
 
@@ -14,7 +15,7 @@ from benchmarks.alone import Alone
 from benchmarks.hybrid import Hybrid, Outcome, scales
 from benchmarks.measure import Json, interleaved, spread
 from benchmarks.part import Part, paragraph, rounded, shown, table
-from benchmarks.solver_peers import peers
+from benchmarks.solver_peers import NO_CODE, fixed_step_peers, peers
 from propermodel.codegen.machine import QUADRATURE, FloatArray, Memory, Method
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.diagnostics import Path, parse_path
@@ -35,6 +36,7 @@ OURS: Mapping[tuple[Method, int], tuple[float, ...]] = {
     (Method.DOPRI5, 1): (1e-3, 1e-5),
 }
 STAGES = 6  # of the methods that choose their steps
+PEER_STEPS = (2e-4, 1e-4)
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 REFERENCE_STEP = 2.5e-5
 REPEATS = 3
@@ -65,7 +67,7 @@ class Setting:
 def measure(is_quick: bool) -> Json:
     """Processor time, evaluations and errors of every solver and setting."""
     truck = compile_model(elaborate(HybridTruck()))
-    scenario = mission("fmtv_mixed", until=10.0 if is_quick else 60.0)
+    scenario = mission("fmtv_mixed", until=5.0 if is_quick else 20.0)
     hybrid = Hybrid(truck, scenario)
     scale = _scale(truck, scenario, hybrid)
     exact = _answer(truck, Alone(truck, scenario, Method.ROS2).run(REFERENCE_STEP))
@@ -115,12 +117,16 @@ def _settings(
         for value in values:
             text = f"{value:.0e}" if method.is_adaptive else f"{1e3 * value:g} ms"
             found.append(Setting(name, text, _ours(alone[method], method, value, every)))
-    missing: dict[str, str] = {}
-    for name, run in peers(hybrid, scale).items():
+    missing = dict(NO_CODE)
+    adaptive = [(name, run, TOLERANCES) for name, run in peers(hybrid, scale).items()]
+    fixed = [(name, run, PEER_STEPS) for name, run in fixed_step_peers(truck, scenario).items()]
+    for name, run, values in (*fixed, *adaptive):
         if isinstance(run, str):
             missing[name] = run
-        else:
-            found += [Setting(name, f"{tol:.0e}", lambda go=run, tol=tol: go(tol)) for tol in TOLERANCES]
+            continue
+        for value in values:
+            text = f"{1e3 * value:g} ms" if values is PEER_STEPS else f"{value:.0e}"
+            found.append(Setting(name, text, partial(run, value)))
     return found, missing
 
 
