@@ -16,7 +16,7 @@ from propermodel.expressions.core import TIME
 from tests.codegen.programs import Draft, oscillator
 from tests.codegen.test_rosenbrock import order, prothero_robinson, van_der_pol
 
-ADAPTIVE = [method for method in Method if method.is_adaptive]
+ADAPTIVE = [method for method in Method if method.is_adaptive and method.is_generated]
 ORDERS = {Method.RODAS: 4, Method.DOPRI5: 5}
 
 

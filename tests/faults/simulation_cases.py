@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace as changed
 from functools import cache
+from unittest.mock import patch
 
 import propermodel as pm
 from propermodel import (
@@ -123,6 +125,12 @@ class Ladder(Component):
     mass = Mass(mass=1.0)
     rungs = repeat(25, Rung())
     connections = (connect(mass.flange, rungs[0].a), *chain(rungs, "b", "a"), connect(rungs[24].b, end), free(end))
+
+
+def without_sundials() -> object:
+    # A module that is None cannot be imported.
+    with patch.dict(sys.modules, {"sksundae.cvode": None}):
+        return simulate(quarter(), STEP, method=pm.Method.CVODE)
 
 
 def large_block() -> object:
@@ -359,6 +367,12 @@ CASES = (
         run=lambda: simulate(quarter(), STEP, tolerance=0.0),
         names=("0.0",),
         cure="share of each state",
+    ),
+    Case(
+        code="simulation/sundials",
+        run=without_sundials,
+        names=("cvode", "not installed"),
+        cure="pip install 'propermodel[sundials]'",
     ),
     Case(
         code="simulation/large-block",

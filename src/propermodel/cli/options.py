@@ -26,6 +26,7 @@ class MethodName(StrEnum):
     ROS2 = "ros2"
     RODAS = "rodas"
     DOPRI5 = "dopri5"
+    CVODE = "cvode"
     AUTO = "auto"
 
 

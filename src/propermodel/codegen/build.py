@@ -9,6 +9,7 @@ from propermodel.codegen.llvm_compiler import vector_lanes
 from propermodel.codegen.machine import Machine, Method
 from propermodel.codegen.native import NativeMachine
 from propermodel.codegen.program import Program
+from propermodel.codegen.sundials import SundialsMachine
 
 INTERPRETED_LANES = 256  # where the numbers of an operation cost more than its call
 
@@ -26,6 +27,10 @@ def build_machine(program: Program, method: Method, lanes: int = 1, backend: Bac
         raise ValueError(f"a machine has at least one lane, not {lanes}")
     if lanes > 1 and program.guards is not None:
         raise ValueError("a program with events runs in one lane: every run meets its own instants")
+    if lanes > 1 and method.is_adaptive:
+        raise ValueError("a method that controls its steps runs in one lane: every run has steps of its own")
+    if not method.is_generated:
+        return SundialsMachine(program, build_machine(program, Method.EULER, backend=backend))
     if backend is Backend.INTERPRETED:
         return InterpretedMachine(program, method, lanes)
     return NativeMachine(program, method, lanes)

@@ -37,6 +37,9 @@ class Attempt:
         try:
             run.arrays[Array.STEP][:] = h
             self._evaluate(run, code.first, time)
+        except AllFailed:
+            return math.nan  # which no shorter step can mend
+        try:
             run.fail_weak(code.start)
             if not run.memory.alive.any():
                 return math.inf
@@ -55,6 +58,9 @@ class Attempt:
                 self._evaluate(run, self._rates, time)
                 self._slopes = [run.arrays[Array.RATE].copy()]
                 self._powers[0] = run.arrays[Array.POWER].copy()
+        except AllFailed:
+            return math.nan  # which no shorter step can mend
+        try:
             del self._slopes[1:]
             for row, share in zip(tableau.a, tableau.c[1:], strict=True):
                 run.memory.state[...] = self._state + self._combined(row) * h

@@ -1,7 +1,8 @@
 # pyright: basic
 """Prints what methods that control their step need: `attempt`, `restore`, `commit` and `close`, for one lane.
 
-`attempt` takes a step and gives its error as a share of what is tolerated, infinite where an equation has no solution.
+`attempt` takes a step and gives its error as a share of what is tolerated, infinite where an equation has no solution;
+where that is so at the beginning already, which no shorter step can mend, it is no number.
 `restore` takes it back, `revive` forgives what had no solution. `commit` makes it part of the run: sizes of the states,
 and integrals of POWER, which go by the parabola through its values at the beginning, middle and end of the step, those
 of the absolute value between its zeros.
@@ -258,7 +259,7 @@ class _Writer:
 
         body = self._begun_attempt()
         body.set_step()
-        body.evaluate(step.first, step.first.name, "%t")
+        body.evaluate(step.first, step.first.name, "%t", otherwise="hopeless")
         body.lines.append("  call void @check.weak(ptr %w, ptr %tables, double %t)")
         body.go_on_if_alive()
         body.lines.append("  call void @complete(ptr %w)")
@@ -296,7 +297,8 @@ class _Writer:
     def _define_attempt(self, body: Body) -> None:
         body.lines.append("  %error = call double @error.norm(ptr %w, double %tolerance)")
         head = f"define internal double @attempt({ARGUMENTS}, double %h, double %tolerance, i1 %is.fresh) {{"
-        body.define(head, "ret double %error", f"ret double {literal(float('inf'))}")
+        infinite, none = (f"ret double {literal(float(name))}" for name in ("inf", "nan"))
+        body.define(head, "ret double %error", infinite, none)
 
     def _define_commit(self, body: Body) -> None:
         body.define(f"define internal i1 @commit({ARGUMENTS}, double %h) {{", "ret i1 true", "ret i1 false")
@@ -308,7 +310,7 @@ class _Writer:
         rates, last = self.program.rates, len(tableau.c) - 1
         body = self._begun_attempt()
         body.lines += ["  br i1 %is.fresh, label %fresh, label %go.on", "fresh:"]
-        body.evaluate(rates, "rates", "%t")
+        body.evaluate(rates, "rates", "%t", otherwise="hopeless")
         body.copy(_slope(0), Array.RATE, self.state_rows)
         body.copy(_POWER_START, Array.POWER, self.powers)
         body.lines += ["  br label %go.on", "go.on:"]

@@ -30,7 +30,7 @@ def wide(value: float) -> str:
 
 
 class Body:
-    """The lines of one function; after a failed solve they go to the label `dead`."""
+    """The lines of one function; after a failed solve they go to the label `dead`, or to another one."""
 
     def __init__(self, module: Module, program: Program) -> None:
         self.module = module
@@ -41,9 +41,10 @@ class Body:
         self._checks = 0
         self._copies = 0
 
-    def define(self, head: str, result: str, dead: str) -> None:
-        """Write the function into the module."""
+    def define(self, head: str, result: str, dead: str, hopeless: str = "") -> None:
+        """Write the function into the module: what it returns at its end, and at the labels `dead` and `hopeless`."""
         ends = ["dead:", f"  {dead}"] if any("%dead" in line for line in self.lines) else []
+        ends += ["hopeless:", f"  {hopeless}"] if any("%hopeless" in line for line in self.lines) else []
         self.module.functions.append("\n".join([head, "entry:", *self.lines, f"  {result}", *ends, "}"]))
 
     def over(self, first_row: int, rows: int, body: Callable[[Callable[[int], str], str], Sequence[str]]) -> None:
@@ -78,18 +79,18 @@ class Body:
             f"{n}.end:",
         ]
 
-    def evaluate(self, function: Function, name: str, time: str) -> None:
+    def evaluate(self, function: Function, name: str, time: str, otherwise: str = "dead") -> None:
         """Call a function of the program."""
         self.lines.append(f"  call void @{name}(ptr %w, ptr %tables, double {time})")
         if has_solve(function):
-            self.go_on_if_alive()
+            self.go_on_if_alive(otherwise)
 
-    def go_on_if_alive(self) -> None:
+    def go_on_if_alive(self, otherwise: str = "dead") -> None:
         """Leave where no lane is alive."""
         self._checks += 1
         self.lines += [
             f"  %alive{self._checks} = call i1 @is.alive(ptr %w)",
-            f"  br i1 %alive{self._checks}, label %go{self._checks}, label %dead",
+            f"  br i1 %alive{self._checks}, label %go{self._checks}, label %{otherwise}",
             f"go{self._checks}:",
         ]
 

@@ -33,7 +33,7 @@ class StepWriter:
                 self._rk4()
             case Method.ROS2:
                 self._implicit()
-            case Method.RODAS | Method.DOPRI5:
+            case Method.RODAS | Method.DOPRI5 | Method.CVODE:
                 raise AssertionError("a method that controls its step has another loop")
         if self.program.corrections:
             self._correct()

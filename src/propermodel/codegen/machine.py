@@ -48,16 +48,22 @@ class Method(StrEnum):
     ROS2 = "ros2"  # linearly implicit, L-stable
     RODAS = "rodas"  # linearly implicit, L-stable, of order 4, controls its step
     DOPRI5 = "dopri5"  # explicit, of order 5, controls its step
+    CVODE = "cvode"  # implicit, of varying order, by SUNDIALS and slow: for comparison
 
     @property
     def is_adaptive(self) -> bool:
         """Whether it chooses its steps by an estimate of their error."""
-        return self in (Method.RODAS, Method.DOPRI5)
+        return self in (Method.RODAS, Method.DOPRI5, Method.CVODE)
+
+    @property
+    def is_generated(self) -> bool:
+        """Whether its steps are generated code."""
+        return self is not Method.CVODE
 
     @property
     def is_implicit(self) -> bool:
         """Whether stiff parts do not limit its step."""
-        return self in (Method.ROS2, Method.RODAS)
+        return self in (Method.ROS2, Method.RODAS, Method.CVODE)
 
 
 # The seam for quadratures: the share of the step that each evaluation of POWER stands for. Those of an implicit step

@@ -65,8 +65,6 @@ def print_program(
     program: Program, method: Method, lanes: int = 1, most_instructions: int = MOST_INSTRUCTIONS
 ) -> Source:
     """The LLVM IR of a program; functions are cut into pieces of about `most_instructions`."""
-    if lanes > 1 and method.is_adaptive:
-        raise ValueError("a method that controls its step runs in one lane: every run has steps of its own")
     program = with_reciprocals(with_step_of(program, method))
     lengths = program.layout.lengths
     shape = Shape(lanes)
