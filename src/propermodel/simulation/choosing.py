@@ -51,7 +51,7 @@ def choose(
         return loose, f"method auto chose {loose.method}: {error.diagnostics[0].message}"
     trial = memory.copy()
     begin = trial.time
-    limits = _limits(compiled, machine, trial, stiff, longest, begin + SHARE * (stop - begin))
+    limits = _limits(compiled, machine, trial, stiff, longest, stop)
     span, taken = trial.time - begin, trial.steps_taken - memory.steps_taken
     if not taken or not span > 0.0:
         return stiff, f"method auto chose {stiff}: the trial did not get beyond its first step"
@@ -73,16 +73,17 @@ def choose(
 
 
 def _limits(
-    compiled: CompiledModel, machine: Machine, trial: Memory, stepping: Stepping, longest: float, until: float
+    compiled: CompiledModel, machine: Machine, trial: Memory, stepping: Stepping, longest: float, stop: float
 ) -> list[StepLimit]:
     """Go along the run; the limits of an explicit method on the way, none for a model with too many states."""
     is_small = len(compiled.system.states) <= MOST_STATES
     begin, before = trial.time, trial.steps_taken
+    until = begin + SHARE * (stop - begin)
     found: list[StepLimit] = []
     for look in range(LOOKS):
         if is_small:
             with suppress(SimulationError):  # where derivatives do not exist
-                found.append(step_limit(compiled, trial, Method.DOPRI5, window=until - begin))
+                found.append(step_limit(compiled, trial, Method.DOPRI5, window=stop - begin))
         end = begin + (look + 1) / LOOKS * (until - begin)
         request = Request(until=end, step=longest, tolerance=stepping.tolerance, most_ticks=MOST_TRIAL_STEPS)
         outcome = machine.run(trial, request)
