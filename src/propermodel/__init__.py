@@ -109,6 +109,7 @@ if TYPE_CHECKING:
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.reduction.prediction import PredictedError, Prediction, predict_errors
+    from propermodel.reduction.search import Candidate, ProperModelSearch, find_proper_model
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
     from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
@@ -135,6 +136,8 @@ _WHEN_USED = {
     "ReadableEquations": "equations.readable",
     "Reduction": "reduction.plan",
     "PredictedError": "reduction.prediction",
+    "Candidate": "reduction.search",
+    "ProperModelSearch": "reduction.search",
     "Prediction": "reduction.prediction",
     "ReductionStudy": "report.study",
     "Sensitivities": "analysis.sensitivities",
@@ -154,6 +157,7 @@ _WHEN_USED = {
     "load_trajectory": "simulation.storage",
     "plan_reduction": "reduction.plan",
     "predict_errors": "reduction.prediction",
+    "find_proper_model": "reduction.search",
     "rank_activity": "analysis.activity",
     "read_model": "modelling.documents",
     "read_scenario": "modelling.documents",
@@ -299,6 +303,9 @@ __all__ = [
     "predict_errors",
     "Prediction",
     "PredictedError",
+    "find_proper_model",
+    "ProperModelSearch",
+    "Candidate",
     "plan_reduction",
     "Reduction",
     "Removal",

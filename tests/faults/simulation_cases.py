@@ -506,6 +506,12 @@ CASES = (
     ),
     Case(code="reduction/prediction", run=infinite_slope, names=("throttle",), cure="by simulation"),
     Case(
+        code="reduction/tolerances",
+        run=lambda: pm.find_proper_model(elaborate(Quarter()), STEP, {"body.flange.flow": 0.0}),
+        names=("above zero",),
+        cure="find_proper_model(model, scenario,",
+    ),
+    Case(
         code="reduction/constant-output",
         run=lambda: pm.predict_errors(run(), ["body.flange.flow", "road.flow"]),
         names=("road.flow",),

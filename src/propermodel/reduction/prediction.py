@@ -27,7 +27,8 @@ from propermodel.modelling.model import (
     ZeroFlow,
 )
 from propermodel.reduction.evidence import RunEvidence
-from propermodel.reduction.spectra import ComplexArray, Spectra, spectra
+from propermodel.reduction.responses import Move, Responses
+from propermodel.reduction.spectra import Spectra, spectra
 from propermodel.reduction.surrogate import Surrogate, fit
 from propermodel.simulation.trajectory import Trajectory, observable_path
 from propermodel.simulation.zeros import listed
@@ -40,8 +41,6 @@ _WORDS = {
     ConstantEffort: "constant effort",
     ConstantFlow: "constant flow",
 }
-# Removals whose equations have a condition beyond this have no solution: one constraint stated twice, a cut of no path.
-SINGULAR = 1e-10
 # What the linear model leaves unexplained of an equation beyond this share is told.
 MISFIT = 0.3
 
@@ -98,14 +97,11 @@ class Prediction:
         own = [tableau.column_of(bond, v) for v in (Variable.EFFORT, Variable.FLOW) for bond in bonds]
         looked_at = [tableau.column(path) for path in outputs]
         wanted = [*own, *(column for column in looked_at if column is not None)]
-        gains = np.array([self._surrogate.gains(s, self._bonds, wanted) for s in self._spectra.s])
+        places, which = np.unique(self._spectra.s, return_inverse=True)
+        gains = np.array([self._surrogate.gains(complex(s), self._bonds, wanted) for s in places])[which]
         count = len(self._bonds)
-        self._own: ComplexArray = gains[:, : 2 * count]  # (bands, efforts and flows, laws)
-        self._answers: dict[Path, ComplexArray] = {}
-        answered = iter(range(2 * count, len(wanted)))
-        for path, column in zip(outputs, looked_at, strict=True):
-            nothing = np.zeros((len(gains), count), dtype=np.complex128)
-            self._answers[path] = nothing if column is None else gains[:, next(answered)]
+        answers = np.zeros((len(gains), len(outputs), count), dtype=np.complex128)
+        answers[:, [k for k, column in enumerate(looked_at) if column is not None]] = gains[:, 2 * count :]
         self._ranges = {path: float(np.ptp(trajectory[path])) for path in outputs}
         for path, spread in self._ranges.items():
             if spread == 0.0:
@@ -114,6 +110,15 @@ class Prediction:
                     f"the output '{path}' never changes in this run, so a share of its range says nothing",
                     help="choose an output that moves, or a scenario in which it does",
                 )
+        self.responses = Responses(
+            own=gains[:, : 2 * count],
+            answers=answers,
+            amplitudes=self._spectra.amplitudes,
+            deviations=np.zeros((len(gains), 2 * count), dtype=np.complex128),
+            changes=np.zeros((len(gains), len(outputs)), dtype=np.complex128),
+            ranges=np.array([self._ranges[path] for path in outputs]),
+            full=np.abs(gains[:, np.arange(2 * count), np.tile(np.arange(count), 2)]),
+        )
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -138,33 +143,39 @@ class Prediction:
         chosen = tuple(removals)
         if not chosen:
             return PredictedError((), dict.fromkeys(self.outputs, 0.0))
-        laws = [self._number_of(removal.bond) for removal in chosen]
-        variables = [self._variable_of(removal, law) for removal, law in zip(chosen, laws, strict=True)]
-        violated = self._own[:, variables][:, :, laws]  # what the laws taken away do to what replaces them
-        size = np.linalg.svd(_balanced(violated), compute_uv=False)
-        if np.any(size[:, -1] <= SINGULAR * size[:, 0]):
+        errors = self.responses.errors_without([self.move(removal) for removal in chosen])
+        if errors is None:
             return None
-        errors: dict[Path, float] = {}
-        for path in self.outputs:
-            answer = self._answers[path][:, laws]
-            per_signal = -np.linalg.solve(violated.transpose(0, 2, 1), answer[:, :, np.newaxis])[:, :, 0]
-            # Constants are taken from what they replace.
-            constants = -sum(
-                per_signal[:, k] * removal.value
-                for k, removal in enumerate(chosen)
-                if isinstance(removal, ConstantEffort | ConstantFlow)
+        return PredictedError(chosen, dict(zip(self.outputs, map(float, errors), strict=True)))
+
+    def move(self, removal: Replacement) -> Move:
+        """A removal in terms of `responses`.
+
+        Raises:
+            ReductionError: it names no port of an energy element.
+        """
+        if removal.bond not in self._number:
+            raise ReductionError.of(
+                "reduction/unknown-removal",
+                f"a removal names '{removal.bond}', which is no port of an energy element",
+                help=one_of(str(removal.bond), map(str, self._number)),
             )
-            gains = np.column_stack([per_signal, np.broadcast_to(constants, len(answer))]).astype(np.complex128)
-            errors[path] = self._spectra.rms(gains, [*variables, -1]) / self._ranges[path]
-        return PredictedError(chosen, errors)
+        law = self._number[removal.bond]
+        is_effort = isinstance(removal, ZeroEffort | ConstantEffort)
+        value = removal.value if isinstance(removal, ConstantEffort | ConstantFlow) else 0.0
+        return Move(law, law if is_effort else len(self._bonds) + law, value)
 
     def rows(self) -> tuple[PredictedRow, ...]:
         """Every row with all ways to remove it, the row that changes outputs least first."""
         found = [self._row(row.path, row.kind, row.bonds) for row in self.compiled.system.rows]
         return tuple(sorted(found, key=lambda row: (row.best is None, row.best.worst if row.best else 0.0, row.row)))
 
+    def ways(self, bonds: Sequence[Path]) -> list[tuple[Replacement, ...]]:
+        """Every way to remove an element with these bonds."""
+        return list(itertools.product(*(self._replacements(bond) for bond in bonds)))
+
     def _row(self, path: Path, kind: str, bonds: Sequence[Path]) -> PredictedRow:
-        ways = (self.of(way) for way in itertools.product(*(self._replacements(bond) for bond in bonds)))
+        ways = map(self.of, self.ways(bonds))
         return PredictedRow(path, kind, tuple(sorted(filter(None, ways), key=lambda way: way.worst)))
 
     def _replacements(self, name: Path) -> list[Replacement]:
@@ -180,18 +191,6 @@ class Prediction:
             case _:
                 pass
         return found
-
-    def _number_of(self, bond: Path) -> int:
-        if bond not in self._number:
-            raise ReductionError.of(
-                "reduction/unknown-removal",
-                f"a removal names '{bond}', which is no port of an energy element",
-                help=one_of(str(bond), map(str, self._number)),
-            )
-        return self._number[bond]
-
-    def _variable_of(self, removal: Replacement, law: int) -> int:
-        return law if isinstance(removal, ZeroEffort | ConstantEffort) else len(self._bonds) + law
 
     def __str__(self) -> str:
         return self.text()
@@ -252,14 +251,6 @@ def predict_errors(trajectory: Trajectory, outputs: Iterable[Expr | Path | str])
             "reduction/unknown-output", "no outputs were given", help="name the observables that matter"
         )
     return Prediction(trajectory, paths)
-
-
-def _balanced(matrices: ComplexArray) -> ComplexArray:
-    """Matrices with rows and columns of one size, as efforts and flows of different domains have different sizes."""
-    rows = np.max(np.abs(matrices), axis=2, keepdims=True)
-    scaled = matrices / np.where(rows > 0.0, rows, 1.0)
-    columns = np.max(np.abs(scaled), axis=1, keepdims=True)
-    return scaled / np.where(columns > 0.0, columns, 1.0)
 
 
 def _shortened(path: Path) -> str:

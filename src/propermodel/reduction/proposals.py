@@ -1,0 +1,199 @@
+"""Sets of removals worth trying: a beam search over predicted errors, with several scenarios at once.
+
+What costs nothing once something else is gone (the rest of a branch that leads nowhere, what no output can feel) goes
+with it, so that groups need no search of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from propermodel.codegen.machine import FloatArray
+from propermodel.diagnostics import Path
+from propermodel.reduction.prediction import Prediction, Replacement
+from propermodel.reduction.responses import Responses
+
+WIDTH = 6  # sets of one size that are carried on
+WIDTH_OF_LARGE = 3  # in models of more than `LARGE` rows
+LARGE = 20
+PASSING = 3.0  # times the tolerance: what a set may be predicted to cost on the way to one that cancels it
+_FREE = 1e-6  # an increase of the error by less than this share of the tolerance costs nothing
+
+Choice = Mapping[Path, tuple[Replacement, ...]]  # of each row that goes: what replaces it
+
+
+@dataclass(frozen=True, eq=False)
+class Proposed:
+    """A set of removals, and its predicted score: the largest error over its tolerance."""
+
+    choice: Choice
+    score: float
+
+    @property
+    def key(self) -> frozenset[Replacement]:
+        """The removals."""
+        return removals_of(self.choice)
+
+
+@dataclass(frozen=True, slots=True)
+class Extension:
+    """One more row that may go, and the predicted score afterwards."""
+
+    row: Path
+    way: tuple[Replacement, ...]
+    score: float
+
+
+@dataclass(frozen=True, eq=False)
+class Node(Proposed):
+    """The same with the models that are left, one for each scenario."""
+
+    left: tuple[Responses, ...]
+    offers: tuple[Extension, ...]  # every row that could go next, each way, the least score first
+
+    def alone(self) -> Proposed:
+        """Without the models, which are large."""
+        return Proposed(self.choice, self.score)
+
+
+def removals_of(choice: Choice) -> frozenset[Replacement]:
+    """All removals of a choice."""
+    return frozenset(removal for way in choice.values() for removal in way)
+
+
+class Proposals:
+    """Predicts, for several scenarios, what removals cost against tolerances."""
+
+    def __init__(self, predictions: Sequence[Prediction], tolerances: FloatArray) -> None:
+        """Prepare the ways to remove each row.
+
+        Args:
+            predictions: One for each scenario, of the same outputs.
+            tolerances: Of the outputs, as shares of their ranges.
+        """
+        self._predictions = tuple(predictions)
+        self._tolerances = tolerances
+        first = self._predictions[0]
+        self._rows = {row.path: row.bonds for row in first.compiled.system.rows}
+        # A constant has one value for all scenarios, that of the first.
+        self._ways = {path: first.ways(bonds) for path, bonds in self._rows.items()}
+
+    def root(self) -> Node:
+        """The full model."""
+        left = tuple(prediction.responses for prediction in self._predictions)
+        return Node({}, 0.0, left, self._offers({}, left))
+
+    def node(self, choice: Choice) -> Node | None:
+        """The models that a choice leaves; None if it leaves no solution."""
+        found: Node | None = self.root()
+        for row, way in choice.items():
+            found = None if found is None else self._with(found, row, way)
+        return found
+
+    def extended(self, node: Node, extension: Extension) -> Node | None:
+        """The node with one more row gone, and all rows that this makes free."""
+        found = self._with(node, extension.row, extension.way)
+        while found is not None:
+            cheapest = next(iter(found.offers), None)
+            if cheapest is None or cheapest.score > found.score + _FREE:
+                return found
+            further = self._with(found, cheapest.row, cheapest.way)
+            if further is None:
+                return found
+            found = further
+        return None
+
+    def beam(self) -> dict[int, list[Proposed]]:
+        """The best sets by the number of rows that go, as far as any is within `PASSING` times the tolerance."""
+        width = WIDTH if len(self._rows) <= LARGE else WIDTH_OF_LARGE
+        pools: dict[int, list[Proposed]] = {}
+        here = [self.root()]
+        seen: set[frozenset[Replacement]] = set()
+        while here:
+            offers = sorted(
+                (
+                    (extension.score, number, extension)
+                    for number, node in enumerate(here)
+                    for extension in node.offers
+                    if extension.score <= PASSING
+                ),
+                key=lambda offer: (offer[0], offer[1], offer[2].row),
+            )
+            following: list[Node] = []
+            for _, number, extension in offers:
+                if len(following) == width:
+                    break
+                way = frozenset(extension.way)
+                if here[number].key | way in seen:
+                    continue
+                seen.add(here[number].key | way)
+                node = self.extended(here[number], extension)
+                if node is None or (node.key in seen and node.key != here[number].key | way):
+                    continue
+                seen.add(node.key)
+                following.append(node)
+                pools.setdefault(len(node.choice), []).append(node.alone())
+            here = following
+        return {size: sorted(nodes, key=lambda node: node.score) for size, nodes in pools.items()}
+
+    # -- one row -----------------------------------------------------------------------------------------
+
+    def _score(self, errors: FloatArray) -> float:
+        return float(np.max(errors / self._tolerances))
+
+    def _score_of(
+        self,
+        scenario: int,
+        left: Responses,
+        way: tuple[Replacement, ...],
+        known: dict[tuple[Path, int], FloatArray],
+    ) -> float | None:
+        """The score after one more way; ways at one port are computed together, when first asked for."""
+        moves = [self._predictions[scenario].move(removal) for removal in way]
+        if len(moves) > 1:
+            errors = left.errors_without(moves)
+            return None if errors is None else self._score(errors)
+        (move,) = moves
+        kind = (Path((type(way[0]).__name__,)), scenario)
+        if kind not in known:
+            known[kind] = self._singles(scenario, left, type(way[0]))
+        errors = known[kind][:, move.law]
+        return None if np.any(np.isnan(errors)) else self._score(errors)
+
+    def _singles(self, scenario: int, left: Responses, kind: type[Replacement]) -> FloatArray:
+        """The errors of every port with one kind of replacement."""
+        variables, values = np.zeros(left.ports), np.zeros(left.ports)
+        prediction = self._predictions[scenario]
+        for ways in self._ways.values():
+            for way in ways:
+                for removal in way:
+                    if type(removal) is kind:
+                        move = prediction.move(removal)
+                        variables[move.law], values[move.law] = move.variable, move.value
+        return left.single_errors(variables, values)
+
+    def _with(self, node: Node, row: Path, way: tuple[Replacement, ...]) -> Node | None:
+        left: list[Responses] = []
+        for responses, prediction in zip(node.left, self._predictions, strict=True):
+            found = responses.without([prediction.move(removal) for removal in way])
+            if found is None:
+                return None
+            left.append(found)
+        score = max(self._score(responses.errors) for responses in left)
+        choice = {**node.choice, row: way}
+        return Node(choice, score, tuple(left), self._offers(choice, left))
+
+    def _offers(self, choice: Choice, left: Sequence[Responses]) -> tuple[Extension, ...]:
+        singles: dict[tuple[Path, int], FloatArray] = {}
+        found: list[Extension] = []
+        for row in self._rows:
+            if row in choice:
+                continue
+            for way in self._ways[row]:
+                scores = [self._score_of(k, responses, way, singles) for k, responses in enumerate(left)]
+                if all(score is not None for score in scores):
+                    found.append(Extension(row, way, max(score for score in scores if score is not None)))
+        return tuple(sorted(found, key=lambda extension: (extension.score, extension.row)))

@@ -1,0 +1,112 @@
+"""The answers of a linear model to removals, made one after the other or together.
+
+At every line of the spectrum: what the efforts and flows of all ports, and the outputs, do per unit by which the law of
+a port is violated, and how far they are from where they were in the run. A removal sets one effort or flow to nothing,
+or to a constant, by violating its law; afterwards the others answer as the smaller model does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from propermodel.codegen.machine import BoolArray, FloatArray
+from propermodel.reduction.spectra import ComplexArray
+
+# A removal that answers less than this share of what it did in the full model has no solution: one constraint stated
+# twice, a cut of what is cut already.
+SINGULAR = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """The effort or flow (`variable`, a row of `own`) at the port of a law that is replaced by a constant."""
+
+    law: int
+    variable: int
+    value: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Responses:
+    """A model with the removals that have been made; arrays begin with the lines of the spectrum."""
+
+    own: ComplexArray  # (lines, efforts then flows of ports, laws)
+    answers: ComplexArray  # (lines, outputs, laws)
+    amplitudes: ComplexArray  # (lines, efforts then flows, and the constant 1) in the run
+    deviations: ComplexArray  # (lines, efforts then flows) from the run
+    changes: ComplexArray  # (lines, outputs) from the run
+    ranges: FloatArray  # of the outputs
+    full: FloatArray  # (lines, efforts then flows): what each answered to its own law in the full model
+
+    @property
+    def ports(self) -> int:
+        """The number of ports."""
+        return self.own.shape[2]
+
+    @property
+    def errors(self) -> FloatArray:
+        """Root mean square of the change of each output, as a share of its range."""
+        return np.linalg.norm(self.changes, axis=0) / self.ranges
+
+    def _missing(self, moves: Sequence[Move]) -> ComplexArray:
+        variables = [move.variable for move in moves]
+        values = np.array([move.value for move in moves])
+        here = self.amplitudes[:, variables] + self.deviations[:, variables]
+        return here - self.amplitudes[:, -1:] * values
+
+    def _violated(self, moves: Sequence[Move]) -> ComplexArray | None:
+        """What the laws taken away do to what replaces them; None if they leave no solution."""
+        variables, laws = [move.variable for move in moves], [move.law for move in moves]
+        found = self.own[:, variables][:, :, laws]
+        before = self.full[:, variables]
+        if np.any(before == 0.0) or np.any(
+            np.linalg.svd(found / before[:, :, np.newaxis], compute_uv=False)[:, -1] <= SINGULAR
+        ):
+            return None
+        return found
+
+    def errors_without(self, moves: Sequence[Move]) -> FloatArray | None:
+        """The errors of the outputs after further removals together; None if they leave no solution."""
+        violated = self._violated(moves)
+        if violated is None:
+            return None
+        violations = -np.linalg.solve(violated, self._missing(moves)[:, :, np.newaxis])[:, :, 0]
+        laws = [move.law for move in moves]
+        changes = self.changes + np.einsum("lmk,lk->lm", self.answers[:, :, laws], violations)
+        return np.linalg.norm(changes, axis=0) / self.ranges
+
+    def without(self, moves: Sequence[Move]) -> Responses | None:
+        """The model after further removals together; None if they leave no solution."""
+        violated = self._violated(moves)
+        if violated is None:
+            return None
+        laws, variables = [move.law for move in moves], [move.variable for move in moves]
+        violations = -np.linalg.solve(violated, self._missing(moves)[:, :, np.newaxis])
+        share = np.linalg.solve(violated, self.own[:, variables])
+        by_law, by_output = self.own[:, :, laws], self.answers[:, :, laws]
+        return replace(
+            self,
+            own=self.own - by_law @ share,
+            answers=self.answers - by_output @ share,
+            deviations=self.deviations + (by_law @ violations)[:, :, 0],
+            changes=self.changes + (by_output @ violations)[:, :, 0],
+        )
+
+    def single_errors(self, variables: FloatArray, values: FloatArray) -> FloatArray:
+        """The errors (outputs, ports) after one further removal, of each port by its variable and value.
+
+        Not a number where that leaves no solution.
+        """
+        chosen = variables.astype(int)
+        ports = np.arange(self.ports)
+        answered = self.own[:, chosen, ports]
+        is_singular: BoolArray = np.any(np.abs(answered) <= SINGULAR * self.full[:, chosen], axis=0)
+        here = self.amplitudes[:, chosen] + self.deviations[:, chosen] - self.amplitudes[:, -1:] * values
+        violations = -here / np.where(is_singular, 1.0, answered)
+        changes = self.changes[:, :, np.newaxis] + self.answers * violations[:, np.newaxis, :]
+        found = np.linalg.norm(changes, axis=0) / self.ranges[:, np.newaxis]
+        found[:, is_singular] = np.nan
+        return found
