@@ -57,7 +57,7 @@ def measure(is_quick: bool) -> Json:
     sizes = SIZES[:3] if is_quick else SIZES
     rows: list[Json] = []
     for size in sizes:
-        repeats = 1 if is_quick or size > 1000 else REPEATS
+        repeats = 1 if is_quick or size > 500 else REPEATS
         found = [_chain(size, steps=max(200, 400_000 // size)) for _ in range(repeats)]
         rows.append(
             {

@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.python_printer import Dialect, print_functions
 from propermodel.codegen.machine import FloatArray, IntArray, Memory, sample_periods
-from propermodel.codegen.program import Array, Program
+from propermodel.codegen.program import Array, Assign, Program
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.codegen.tables import prepare_tables
 
@@ -94,6 +94,7 @@ def mission(y, d, p, u, tables, activity, begin, ticks, steps, h):
                 dq, un = displacement_rates(t + h, y[i], d[i], p[i], u[i], tables)
                 store(u[i], un)
                 {others}
+                {anew}
 """
 
 
@@ -124,10 +125,12 @@ def _flattened(tables: tuple[tuple[FloatArray, ...], ...]) -> tuple[IntArray, Fl
     return places, np.concatenate([*parts, np.zeros(1)])
 
 
-def split(program: Program) -> tuple[list[int], list[int]]:
-    """The states that are advanced first, and the others."""
+def split(program: Program) -> tuple[list[int], list[int], list[int]]:
+    """The states that are advanced first, those with their rates of then, and those with rates made anew."""
     momenta = list(program.layout.momenta)
-    return momenta, [i for i in range(program.layout.lengths[Array.STATE]) if i not in set(momenta)]
+    anew = [s.slot.index for s in program.displacement_rates.steps if isinstance(s, Assign)]
+    others = set(range(program.layout.lengths[Array.STATE])) - {*momenta, *anew}
+    return momenta, sorted(others), anew
 
 
 def numba_space(program: Program, memory: Memory) -> tuple[dict[str, Any], FloatArray]:
@@ -143,9 +146,9 @@ def with_numba(program: Program, memory: Memory, step: float, stop: float) -> Ca
     import numba
 
     program = with_reciprocals(program)
-    momenta, others = split(program)
+    momenta, others, anew = split(program)
     samples = [f"store(d[i], sample{k}(t0, y[i], d[i], p[i], u[i], tables)[0])" for k in range(len(program.samples))]
-    moves = (("momenta", "dy", momenta), ("others", "dq", others))
+    moves = (("momenta", "dy", momenta), ("others", "dy", others), ("anew", "dq", anew))
     loop = _NUMBA.format(
         samples="\n            ".join(samples),
         **{
@@ -181,7 +184,7 @@ def with_jax(program: Program, memory: Memory, step: float, stop: float) -> Call
 
     jax.config.update("jax_enable_x64", True)
     program = with_reciprocals(program)
-    momenta, others = (jnp.array(states) for states in split(program))
+    momenta, others, anew = (jnp.array(states, dtype=int) for states in split(program))
     space: dict[str, Any] = {"xp": jnp, "lax": lax, "choose": jnp.where}
     exec(compile(_JAX_CELLS + print_functions(program, Dialect.JAX), "model", "exec"), space)  # noqa: S102
     rates, displacement_rates = space["rates"], space["displacement_rates"]
@@ -197,7 +200,8 @@ def with_jax(program: Program, memory: Memory, step: float, stop: float) -> Call
             activity = activity + step * jnp.abs(_stacked(jnp, power))
             y = y.at[momenta].add(step * _stacked(jnp, dy)[momenta])
             dq, un = displacement_rates(t + step, y, d, p, _stacked(jnp, un), tables)
-            return y.at[others].add(step * _stacked(jnp, dq)[others]), _stacked(jnp, un), activity, d, t0
+            y = y.at[others].add(step * _stacked(jnp, dy)[others]).at[anew].add(step * _stacked(jnp, dq)[anew])
+            return y, _stacked(jnp, un), activity, d, t0
 
         def tick(carry: Any, number: Any) -> Any:
             y, d, u, activity = carry
