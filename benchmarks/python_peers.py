@@ -141,27 +141,31 @@ def numba_space(program: Program, memory: Memory) -> tuple[dict[str, Any], Float
     return space, tables
 
 
-def with_numba(program: Program, memory: Memory, step: float, stop: float) -> Callable[[], Answer]:
-    """All designs of a memory of several lanes, over threads."""
-    import numba
-
-    program = with_reciprocals(program)
+def numba_loop(program: Program) -> str:
+    """The source of the loop over designs, samples and steps."""
     momenta, others, anew = split(program)
     samples = [f"store(d[i], sample{k}(t0, y[i], d[i], p[i], u[i], tables)[0])" for k in range(len(program.samples))]
     moves = (("momenta", "dy", momenta), ("others", "dy", others), ("anew", "dq", anew))
-    loop = _NUMBA.format(
+    return _NUMBA.format(
         samples="\n            ".join(samples),
         **{
             name: "\n                ".join(f"y[i, {s}] += h * {rate}[{s}]" for s in states)
             for name, rate, states in moves
         },
     )
+
+
+def with_numba(program: Program, memory: Memory, step: float, stop: float) -> Callable[[], Answer]:
+    """All designs of a memory of several lanes, over threads."""
+    import numba
+
+    program = with_reciprocals(program)
     space, tables = numba_space(program, memory)
     space["prange"] = numba.prange
     for name, function in list(space.items()):
         if isinstance(function, FunctionType):
             space[name] = numba.njit(error_model="numpy")(function)
-    exec(compile(loop, "mission", "exec"), space)  # noqa: S102
+    exec(compile(numba_loop(program), "mission", "exec"), space)  # noqa: S102
     mission = numba.njit(parallel=True, error_model="numpy")(space["mission"])
     ticks, steps = _ticks(program, memory, step, stop)
     start = [np.ascontiguousarray(a.T) for a in (memory.state, memory.discrete, memory.parameter, memory.unknown)]

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from benchmarks.python_peers import numba_space
-from propermodel.codegen.machine import Memory, Method
+from benchmarks.python_peers import numba_loop, numba_space
+from propermodel.codegen.machine import Memory, Method, Request
 from propermodel.codegen.program import Array
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.compiler import compile_model
@@ -12,6 +12,7 @@ from propermodel.library.vehicle.truck import HybridTruck
 from propermodel.modelling.elaborate import elaborate
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import simulate
+from propermodel.simulation.start import start_of
 
 
 def test_printed_python_has_the_rates_powers_and_samples_of_the_package():
@@ -32,3 +33,23 @@ def test_printed_python_has_the_rates_powers_and_samples_of_the_package():
         held = space[f"sample{k}"](memory.time, memory.state, held, memory.parameter, memory.unknown, tables)[0]
     assert len(held) == truck.lowered.program.layout.lengths[Array.DISCRETE]
     np.testing.assert_allclose(held, sampled.discrete, rtol=1e-12)
+
+
+def test_the_loop_for_numba_takes_the_steps_of_the_package():
+    truck = compile_model(elaborate(HybridTruck()))
+    program = with_reciprocals(truck.lowered.program)
+    start = start_of(truck, mission("fmtv_mixed")).memory
+    ours = start.copy()
+    space, tables = numba_space(program, start)
+    space["prange"] = range
+    exec(numba_loop(program), space)
+    y, d, p, u = (array[np.newaxis].copy() for array in (start.state, start.discrete, start.parameter, start.unknown))
+    activity = np.zeros((1, len(start.activity)))
+    space["mission"](y, d, p, u, tables, activity, start.time, 2, 50, 2e-4)
+    truck.machine(Method.SEMI_IMPLICIT).run(ours, Request(until=0.02, step=2e-4, most_ticks=100))
+    (fuel,) = (i for i, state in enumerate(truck.system.states) if str(state.path) == "engine.fuel_meter.mass")
+    assert ours.state[fuel] > 0.0  # which is neither a momentum nor a displacement
+    np.testing.assert_allclose(y[0], ours.state, rtol=1e-9, atol=1e-12)
+    gained = ours.activity - start.activity
+    assert gained.max() > 0.0
+    np.testing.assert_allclose(activity[0], gained, rtol=1e-5, atol=1e-9 * gained.max())
