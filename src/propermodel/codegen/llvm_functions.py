@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from propermodel.codegen.llvm_block import Block
 from propermodel.codegen.llvm_bundles import Bundle, bundled
 from propermodel.codegen.llvm_newton import write_newton
+from propermodel.codegen.llvm_scratch import Life, Scratch
 from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Module
 from propermodel.codegen.program import Array, Function, Program
 from propermodel.codegen.schedule import (
@@ -56,6 +57,7 @@ class Writer:
         self.program = program
         self.most_instructions = most_instructions
         self.numbers = number_solves(program)
+        self._scratch = Scratch(module.frame)
         self.kept: dict[Level, dict[Expr, int]] = {Level.RUN: {}, Level.SAMPLE: {}}
 
     def write_program(self) -> None:
@@ -116,7 +118,7 @@ class Writer:
         *,
         is_rare: bool = False,
     ) -> None:
-        """Write one function as a sequence of pieces; values that cross a cut go through rows of their own.
+        """Write one function as a sequence of pieces; values that cross a cut go through memory.
 
         What is rarely called is compiled fast rather than well: most of a large model's code observes.
         """
@@ -124,10 +126,11 @@ class Writer:
             items = list(bundled(items, Call))
         pieces = self._cut(items)
         pieces[-1].late.extend(late)
-        rows = {**rows, **self._crossing(pieces)}
-        for k, piece in enumerate(pieces):
-            attributes = "noinline optnone" if is_rare else "noinline" if len(pieces) > 1 else ""
-            self._write_piece(name if len(pieces) == 1 else f"{name}.piece{k}", piece, rows, attributes)
+        with self._scratch.lent(self._crossing(pieces)) as lent:
+            rows = {**rows, **lent}
+            for k, piece in enumerate(pieces):
+                attributes = "noinline optnone" if is_rare else "noinline" if len(pieces) > 1 else ""
+                self._write_piece(name if len(pieces) == 1 else f"{name}.piece{k}", piece, rows, attributes)
         if len(pieces) > 1:
             calls = [f"  call void @{name}.piece{k}({PASSED})" for k in range(len(pieces))]
             self._define(name, calls, "")
@@ -148,14 +151,15 @@ class Writer:
             piece.weight += weight
         return pieces
 
-    def _crossing(self, pieces: list[Piece]) -> dict[Expr, int]:
+    def _crossing(self, pieces: list[Piece]) -> dict[Expr, Life]:
+        """The pieces between which values live that cross a cut."""
         home: dict[Expr, int] = {}
-        rows: dict[Expr, int] = {}
+        last: dict[Expr, int] = {}
 
-        def use(nodes: Iterable[Expr], piece: int) -> None:
+        def use(nodes: Iterable[Expr], piece: int, *, outside: bool = False) -> None:
             for node in nodes:
-                if node in home and home[node] != piece and node not in rows:
-                    rows[node] = self.module.frame.new_row()
+                if node in home and (outside or home[node] != piece):
+                    last[node] = piece
 
         for k, piece in enumerate(pieces):
             for item in (*piece.items, *piece.late):
@@ -165,8 +169,8 @@ class Writer:
                 if isinstance(item, StoreRow):
                     use((item.value,), k)
                 elif isinstance(item, Call):
-                    use(item.captures, -1)  # read by the residuals, which are functions of their own
-        return rows
+                    use(item.captures, k, outside=True)  # read by the residuals, which are functions of their own
+        return {node: Life(home[node], end) for node, end in last.items()}
 
     def _write_piece(self, name: str, piece: Piece, rows: dict[Expr, int], attributes: str) -> None:
         block = Block(self.module, rows)
@@ -203,6 +207,9 @@ class Writer:
             for j, entry in enumerate(row)
         ]
         at_trial = {unknown: trial + i for i, unknown in enumerate(solve.unknowns)}
+        # What depends on the unknowns is computed here, whatever row it has in the function around.
+        inner = set(call.inner)
+        rows = {node: row for node, row in rows.items() if node not in inner}
         self.write(f"{name}.residual", items, {**rows, **at_trial})
         if not call.is_affine:
             needed = set(postorder(solve.residuals))
