@@ -24,10 +24,11 @@ from propermodel import (
     parameter,
     rank_activity,
     save_trajectory,
+    sensitivities,
     simulate,
     simulate_many,
 )
-from propermodel.diagnostics import parse_path
+from propermodel.diagnostics import SimulationError, parse_path
 from propermodel.expressions import Expr
 from propermodel.library.mechanics.translation import Friction
 from propermodel.modelling import Parameter, Port, Translation
@@ -202,3 +203,9 @@ def test_numbers_that_grow_because_of_the_step_are_explained_where_it_becomes_to
     assert "rk4 is stable with steps up to" in found.ending.message
     assert "foot.momentum has the eigenvalue" in found.ending.message
     assert found.ending.message.endswith("take a smaller step, or the method ros2 or rodas")
+
+
+@pytest.mark.parametrize("method", [Method.RODAS, "auto"])
+def test_sensitivities_ask_for_steps_that_stay(method: Method) -> None:
+    with pytest.raises(SimulationError, match="sensitivities are derivatives of steps that stay"):
+        sensitivities(compile_model(elaborate(Both())), MOVING, parameters=["mass.mass"], method=method)
