@@ -54,7 +54,7 @@ print(json.dumps({
 
 def measure(is_quick: bool) -> Json:
     """Processor seconds, nanoseconds a step and megabytes for growing chains."""
-    sizes = SIZES[:3] if is_quick else SIZES
+    sizes = SIZES[:5] if is_quick else SIZES
     rows: list[Json] = []
     for size in sizes:
         repeats = 1 if is_quick or size > 500 else REPEATS
