@@ -41,7 +41,7 @@ def fail(code: int, *arguments: object) -> str:
 @pytest.fixture(scope="module")
 def reduced(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     out = tmp_path_factory.mktemp("study")
-    options = ["--threshold", "0.97", "--tolerance", "0.1", "--step", "0.001", "--output", "body.flange.flow"]
+    options = ["--threshold", "0.97", "--junction-tolerance", "0.1", "--step", "0.001", "--output", "body.flange.flow"]
     return out, succeed("reduce", MODEL, "--out", out, *options)
 
 
@@ -81,11 +81,29 @@ def test_the_reduced_model_can_be_run_and_shown_again(reduced: tuple[Path, str])
 
 
 def test_starts_of_removed_storage_are_left_out_of_the_reduced_scenario(tmp_path: Path):
-    arguments = ["--scenario", "bouncing", "--threshold", "0.5", "--tolerance", "1", "--no-speed", "--json"]
+    arguments = ["--scenario", "bouncing", "--threshold", "0.5", "--junction-tolerance", "1", "--no-speed", "--json"]
     summary = json.loads(succeed("reduce", MODEL, "--out", tmp_path, *arguments, "--step", "0.001"))
     gone = {element["path"] for element in summary["elements"] if element["decision"] == "removed"}
     scenario = json.loads((tmp_path / "reduced_scenario.json").read_text())
     assert ("wheel" in gone) == (not scenario["initial"])
+
+
+def test_the_smallest_model_within_tolerances(tmp_path: Path):
+    options = ["--tolerance", "body.flange.flow=5%", "--step", "0.001", "--until", "4", "--out", tmp_path]
+    report = json.loads(succeed("reduce", MODEL, *options, "--json"))
+    assert report == json.loads((tmp_path / "search.json").read_text())
+    smallest = report["candidates"][report["smallest"]]
+    assert smallest["verdict"] == "within the tolerances"
+    assert smallest["errors"]["waves"]["body.flange.flow"]["rms"] <= 0.05
+    assert len(read_model(tmp_path / "reduced_model.json").removals) >= 1
+    assert "rows  states" in succeed("reduce", MODEL, *options)
+
+
+def test_tolerances_that_say_nothing_are_refused(tmp_path: Path):
+    assert "'body.flange.flow' is no output with a tolerance" in fail(
+        2, "reduce", MODEL, "--out", tmp_path, "--tolerance", "body.flange.flow"
+    )
+    assert "observables end with 'flow'" in fail(2, "reduce", MODEL, "--out", tmp_path, "--tolerance", "flow=1%")
 
 
 def test_settings_reach_both_models(tmp_path: Path):

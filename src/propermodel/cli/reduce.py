@@ -48,15 +48,30 @@ def reduce(
             "--keep-driven", help="Keep every row above the threshold, also in parts that act back on nothing."
         ),
     ] = False,
-    tolerance: Annotated[float, typer.Option(help="Largest share of a neglected term at its junction.", min=0.0)] = 0.1,
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--tolerance",
+            help="Find the smallest model in which an output changes by less than this share of its range (rms): "
+            "body.flange.flow=2%.",
+            metavar="PATH=SHARE",
+        ),
+    ] = None,
+    junction_tolerance: Annotated[
+        float, typer.Option(help="Largest share of a neglected term at its junction, with --threshold.", min=0.0)
+    ] = 0.1,
     speed: Annotated[bool, typer.Option("--speed/--no-speed", help="Measure how much faster it is.")] = True,
     best_steps: Annotated[
         bool, typer.Option("--best-steps/--no-best-steps", help="Measure also at the largest good steps.")
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Rank the activity of a model, remove what does not matter, and compare the reduced model with it."""
+    """Rank the activity of a model, remove what does not matter, and compare the reduced model with it.
+
+    With --tolerance, find the smallest model whose outputs stay within tolerances instead.
+    """
     from propermodel.cli.models import load_subject
+    from propermodel.cli.within import reduce_within
     from propermodel.report.study import StudyOptions
 
     subject = configured(
@@ -69,9 +84,12 @@ def reduce(
         settings=settings,
         outputs=output,
     )
+    if tolerance:
+        reduce_within(subject, tolerance, out, as_json=as_json)
+        return
     options = StudyOptions(
         threshold=threshold,
-        tolerance=tolerance,
+        tolerance=junction_tolerance,
         drop_driven=not keep_driven,
         outputs=subject.outputs,
         totals=subject.totals,

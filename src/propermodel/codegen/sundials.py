@@ -7,6 +7,7 @@ Implicit blocks and constraints are solved within the right-hand side, as by eve
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ from propermodel.diagnostics import ProperModelError, SimulationError
 
 MOST_STEPS = 10_000_000  # CVODE's own limit on the way to one instant
 MOST_SMALL_STEPS = 100  # in a row; the first ones of a run are small, as their order is 1
+SAME_TIME_ULPS = 4.0  # CVODE refuses to go on by less than some units in the last place of the time
 DIFFERENCE = 1.5e-8  # of a state, as a share of its size, for the columns of the Jacobian
 
 
@@ -119,6 +121,9 @@ class Solution:
         Raises:
             SimulationError: CVODE does not get any further, or an implicit block has no solution.
         """
+        if until - self._memory.time <= SAME_TIME_ULPS * math.ulp(until):
+            self._go_straight(until)
+            return
         found = self._cvode.step(until, method="onestep", tstop=until)
         is_small = found.t < until and found.t - self._memory.time < smallest_step(found.t, self._longest)
         self._small_steps = self._small_steps + 1 if is_small else 0
@@ -129,9 +134,19 @@ class Solution:
                 f"CVODE does not get beyond {self._memory.time:.6g} s: {found.message}",
                 help="is there a jump that should be an event, or a solution that has no end?",
             )
+        self._move(float(found.t), found.y)
+
+    def _go_straight(self, until: float) -> None:
+        """Go to a time that CVODE takes for the present one, as when the instant of an event is bracketed."""
         memory = self._memory
-        memory.time = float(found.t)
-        parts = np.split(found.y, (self._states, self._states + memory.integral.size))
+        rates = self._evaluated(memory.time, memory.state)
+        values = np.concatenate((memory.state, memory.integral, memory.activity))
+        self._move(until, values + (until - memory.time) * rates)
+
+    def _move(self, time: float, values: FloatArray) -> None:
+        memory = self._memory
+        memory.time = time
+        parts = np.split(values, (self._states, self._states + memory.integral.size))
         memory.state[...], memory.integral[...], memory.activity[...] = parts
         np.maximum(memory.size, np.abs(memory.state), out=memory.size)
 

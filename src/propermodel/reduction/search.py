@@ -25,11 +25,14 @@ from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
 from propermodel.reduction.prediction import Prediction, Replacement, predict_errors
 from propermodel.reduction.proposals import PASSING, Choice, Proposals, Proposed, removals_of
+from propermodel.simulation.choosing import Choice as MethodChoice
 from propermodel.simulation.simulate import simulate
+from propermodel.simulation.stepping import DEFAULT_TOLERANCE
 from propermodel.simulation.trajectory import Trajectory, observable_path
 
 TRIES_PER_SIZE = 3
 TRIES_TO_REFINE = 8
+ROWS = 2000  # recorded of each run, where nothing else is asked for
 MARGIN = 0.8  # of the tolerance: what a recommended model may use, as other scenarios cost more
 
 
@@ -129,11 +132,12 @@ class ProperModelSearch:
 def find_proper_model(
     model: Model,
     scenarios: Scenario | Iterable[Scenario],
-    tolerances: Mapping[Expr | Path | str, float],
+    tolerances: Mapping[Path, float] | Mapping[str, float] | Mapping[Expr, float],
     *,
-    method: Method = Method.SEMI_IMPLICIT,
-    step: float = 2e-4,
+    method: MethodChoice = Method.SEMI_IMPLICIT,
+    step: float | None = None,
     jacobian_every: int = 1,
+    step_tolerance: float = DEFAULT_TOLERANCE,
     record_every: float | None = None,
     most_simulations: int = 200,
     progress: Callable[[Candidate, int], None] | None = None,
@@ -145,9 +149,10 @@ def find_proper_model(
         scenarios: What it is for. Those that matter most first; scenarios for verification count like all others.
         tolerances: Of each output that matters: the largest root mean square of its change, as a share of its range in
             the full model's run.
-        method: How a step is taken.
+        method: How a step is taken; with "auto" a short trial of the full model decides for all.
         step: Largest step, s.
         jacobian_every: How many steps of an implicit method may share one Jacobian.
+        step_tolerance: The error of one step, where the method controls it.
         record_every: Period of recording, s; by default a two-thousandth of each scenario.
         most_simulations: After so many runs of candidates no further one begins.
         progress: Called with every candidate, and the number of simulations so far.
@@ -167,7 +172,18 @@ def find_proper_model(
             "a search needs a scenario, and outputs with tolerances above zero",
             help='for 1 % of its range: find_proper_model(model, scenario, {"body.flange.flow": 0.01})',
         )
-    runner = _Runner(compile_quietly(model), every, wanted, method, step, jacobian_every, record_every)
+    full = compile_quietly(model)
+    first = simulate(
+        full,
+        every[0],
+        method=method,
+        step=step,
+        jacobian_every=jacobian_every,
+        tolerance=step_tolerance,
+        record_every=_period(every[0], record_every),
+        integrals_every=every[0].stop - every[0].start,
+    )
+    runner = _Runner(full, every, wanted, first, record_every)
     search = _Search(runner, most_simulations, progress)
     search.run()
     return ProperModelSearch(
@@ -190,17 +206,15 @@ class _Runner:
         full: CompiledModel,
         scenarios: tuple[Scenario, ...],
         tolerances: Mapping[Path, float],
-        method: Method,
-        step: float,
-        jacobian_every: int,
+        first: Trajectory,
         record_every: float | None,
     ) -> None:
         self.full = full
         self.scenarios = scenarios
         self.tolerances = tolerances
-        self._method, self._step, self._jacobian_every = method, step, jacobian_every
+        self._stepping = first.stepping
         self._record_every = record_every
-        self.runs = tuple(self._run(full, scenario, None) for scenario in scenarios)
+        self.runs = (first, *(self._run(full, scenario, None) for scenario in scenarios[1:]))
         self.predictions: tuple[Prediction, ...] = tuple(predict_errors(run, tolerances) for run in self.runs)
         self.proposals = Proposals(self.predictions, np.array(list(tolerances.values())))
         self._evidence = RunEvidence.of(full, self.runs[0])
@@ -264,17 +278,22 @@ class _Runner:
         )
 
     def _run(self, compiled: CompiledModel, scenario: Scenario, record: Sequence[Path] | None) -> Trajectory:
-        span = scenario.stop - scenario.start
         return simulate(
             compiled,
             scenario,
-            method=self._method,
-            step=self._step,
-            jacobian_every=self._jacobian_every,
+            method=self._stepping.method,
+            step=self._stepping.step,
+            jacobian_every=self._stepping.jacobian_every,
+            tolerance=self._stepping.tolerance,
             record=record,
-            record_every=self._record_every or max(span / 2000.0, self._step),
-            integrals_every=span,
+            record_every=_period(scenario, self._record_every),
+            integrals_every=scenario.stop - scenario.start,
         )
+
+
+def _period(scenario: Scenario, given: float | None) -> float:
+    """The period of recording, s."""
+    return (scenario.stop - scenario.start) / ROWS if given is None else given
 
 
 class _Search:
