@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -209,14 +210,23 @@ def write(data: Json, pictures: FilePath) -> list[str]:
 
 
 def _draw(rows: Sequence[Json], file: FilePath) -> None:
+    from matplotlib import colormaps
     from matplotlib.figure import Figure
 
+    colours = colormaps["tab20"].colors[::2] + colormaps["tab20b"].colors[::4]  # no two lines share one
     figure = Figure(figsize=(9.0, 6.4), layout="constrained")
     axes = figure.subplots(2, 2, sharey="row", sharex="col")
     names = list(dict.fromkeys(row["name"] for row in rows if "failed" not in row))
-    for name in names:
+    for name, colour in zip(names, itertools.cycle(colours), strict=False):
         good = [row for row in rows if row["name"] == name and "failed" not in row]
-        style = {"marker": "o" if name.startswith("propermodel") else "s", "label": name, "markersize": 4}
+        is_ours = name.startswith("propermodel")
+        style = {
+            "marker": "o" if is_ours else "s",
+            "linestyle": "-" if is_ours else "--",
+            "color": colour,
+            "label": name,
+            "markersize": 4,
+        }
         for column, cost in enumerate((lambda row: row["seconds"]["median"], lambda row: row["evaluations"])):
             for line, error in enumerate(("fuel", "index")):
                 points = sorted((cost(row), max(row[error], 1e-12)) for row in good)
