@@ -149,7 +149,7 @@ class Proposals:
         scenario: int,
         left: Responses,
         way: tuple[Replacement, ...],
-        known: dict[tuple[Path, int], FloatArray],
+        known: dict[tuple[type[Replacement], int], FloatArray],
     ) -> float | None:
         """The score after one more way; ways at one port are computed together, when first asked for."""
         moves = [self._predictions[scenario].move(removal) for removal in way]
@@ -157,10 +157,10 @@ class Proposals:
             errors = left.errors_without(moves)
             return None if errors is None else self._score(errors)
         (move,) = moves
-        kind = (Path((type(way[0]).__name__,)), scenario)
-        if kind not in known:
-            known[kind] = self._singles(scenario, left, type(way[0]))
-        errors = known[kind][:, move.law]
+        key = (type(way[0]), scenario)
+        if key not in known:
+            known[key] = self._singles(scenario, left, key[0])
+        errors = known[key][:, move.law]
         return None if np.any(np.isnan(errors)) else self._score(errors)
 
     def _singles(self, scenario: int, left: Responses, kind: type[Replacement]) -> FloatArray:
@@ -187,7 +187,7 @@ class Proposals:
         return Node(choice, score, tuple(left), self._offers(choice, left))
 
     def _offers(self, choice: Choice, left: Sequence[Responses]) -> tuple[Extension, ...]:
-        singles: dict[tuple[Path, int], FloatArray] = {}
+        singles: dict[tuple[type[Replacement], int], FloatArray] = {}
         found: list[Extension] = []
         for row in self._rows:
             if row in choice:

@@ -42,12 +42,11 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """The row of a law: what it gives, and the columns of the element's own variables that it gives it from."""
+    """The row of a law at a bond, and the columns of the element's own variables on its right side."""
 
     bond: Path
     row: int
     element: Path
-    given: Expr  # the right side, or the residual
     own: tuple[int, ...]
 
 
@@ -211,8 +210,7 @@ class _Builder:
                     row = of[answer]
                     if _is_unknown(rows[row].right):
                         row = of[rows[row].right]
-                    value = rows[row].right
-                    yield Law(bond.name, row, element.path, value, self._own(element, value, columns))
+                    yield Law(bond.name, row, element.path, self._own(element, rows[row].right, columns))
 
     def _own(self, element: Element, law: Expr, columns: Mapping[Expr, int]) -> tuple[int, ...]:
         """The columns of the element's own port variables and coordinates in a law."""
