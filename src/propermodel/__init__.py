@@ -95,12 +95,13 @@ from propermodel.modelling import (
 if TYPE_CHECKING:
     from propermodel.analysis.activity import ActivityRanking, rank_activity
     from propermodel.analysis.balance import EnergyBalance, energy_balance
-    from propermodel.analysis.comparison import Comparison, compare
+    from propermodel.analysis.comparison import Comparison, OutputError, compare
     from propermodel.analysis.linear_model import LinearModel
     from propermodel.analysis.linearise import linearise
     from propermodel.analysis.modes import Mode, Modes
     from propermodel.analysis.responses import FrequencyResponse, TimeResponse
     from propermodel.analysis.sensitivities import Sensitivities, sensitivities
+    from propermodel.analysis.tolerances import Tolerance
     from propermodel.analysis.transfer import TransferFunction
     from propermodel.causality.report import CausalReport, explain_causality
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
@@ -135,6 +136,7 @@ _WHEN_USED = {
     "Modes": "analysis.modes",
     "ReadableEquations": "equations.readable",
     "Reduction": "reduction.plan",
+    "OutputError": "analysis.comparison",
     "PredictedError": "reduction.prediction",
     "Candidate": "reduction.search",
     "ProperModelSearch": "reduction.search",
@@ -144,6 +146,7 @@ _WHEN_USED = {
     "StudyOptions": "report.study",
     "SymbolicMatrices": "equations.matrices",
     "TimeResponse": "analysis.responses",
+    "Tolerance": "analysis.tolerances",
     "Trajectory": "simulation.trajectory",
     "TransferFunction": "analysis.transfer",
     "compare": "analysis.comparison",
@@ -304,6 +307,7 @@ __all__ = [
     "Prediction",
     "PredictedError",
     "find_proper_model",
+    "Tolerance",
     "ProperModelSearch",
     "Candidate",
     "plan_reduction",
@@ -317,6 +321,7 @@ __all__ = [
     "Freeze",
     "compare",
     "Comparison",
+    "OutputError",
     "run_study",
     "StudyOptions",
     "ReductionStudy",

@@ -99,6 +99,29 @@ def test_the_smallest_model_within_tolerances(tmp_path: Path):
     assert "rows  states" in succeed("reduce", MODEL, *options)
 
 
+def test_tolerances_name_features(tmp_path: Path):
+    options = ["--step", "0.001", "--until", "4", "--out", tmp_path, "--json"]
+    given = ["--tolerance", "body.flange.flow=2%, largest:4%", "--tolerance", "body.flange.flow=peak-time:0.1"]
+    report = json.loads(succeed("reduce", MODEL, *given, *options))
+    assert report["tolerances"] == {"body.flange.flow": {"rms": 0.02, "largest": 0.04, "peak_time": 0.1}}
+    errors = report["candidates"][report["smallest"]]["errors"]["waves"]["body.flange.flow"]
+    assert errors["largest"] <= 0.04
+    assert errors["settling"] == "it still moves when the run ends"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("body.flange.flow=finale:1%", "did you mean 'final'?"),
+        ("body.flange.flow=1%,rms:2%", "the rms of 'body.flange.flow' is given twice"),
+        ("body.flange.flow=-1%", "is no output with a tolerance"),
+        ("body.flange.flow=final:", "is no output with a tolerance"),
+    ],
+)
+def test_features_that_do_not_exist_are_refused(tmp_path: Path, text: str, message: str):
+    assert message in fail(2, "reduce", MODEL, "--out", tmp_path, "--tolerance", text)
+
+
 def test_tolerances_that_say_nothing_are_refused(tmp_path: Path):
     assert "'body.flange.flow' is no output with a tolerance" in fail(
         2, "reduce", MODEL, "--out", tmp_path, "--tolerance", "body.flange.flow"

@@ -507,9 +507,21 @@ CASES = (
     Case(code="reduction/prediction", run=infinite_slope, names=("throttle",), cure="by simulation"),
     Case(
         code="reduction/tolerances",
+        run=lambda: pm.find_proper_model(elaborate(Quarter()), STEP, {}),
+        names=("a scenario", "tolerances"),
+        cure="find_proper_model(model, scenario,",
+    ),
+    Case(
+        code="reduction/tolerance",
         run=lambda: pm.find_proper_model(elaborate(Quarter()), STEP, {"body.flange.flow": 0.0}),
         names=("above zero",),
-        cure="find_proper_model(model, scenario,",
+        cure="Tolerance(final=0.01)",
+    ),
+    Case(
+        code="reduction/undefined-feature",
+        run=lambda: pm.find_proper_model(elaborate(Quarter()), STEP, {"body.flange.flow": pm.Tolerance(settling=0.1)}),
+        names=("body.flange.flow", "settling", "still moves when the run ends"),
+        cure="another feature",
     ),
     Case(
         code="reduction/constant-output",

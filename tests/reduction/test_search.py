@@ -157,6 +157,29 @@ def test_progress_and_budget():
     assert len(seen) == len(found.candidates)
 
 
+def test_every_feature_of_a_tolerance_counts():
+    model = pm.elaborate(driven.QuarterCar())
+    t = np.linspace(0.0, 10.0, 4001)
+    ramp = pm.Scenario(name="ramp", stop=10.0, inputs={"road.flow": pm.table_values([t], np.minimum(t, 1.0))})
+    output = "body.flange.flow"
+    loose, strict = pm.Tolerance(final=0.01), pm.Tolerance(final=0.01, largest=0.01, settling=0.02)
+    free = pm.find_proper_model(model, ramp, {output: loose}, method=RK4, step=1e-3)
+    bound = pm.find_proper_model(model, ramp, {output: strict}, method=RK4, step=1e-3)
+    assert free.best is not None
+    assert bound.best is not None
+    assert len(free.best.rows) > len(bound.best.rows)
+    full, kept, less = (
+        pm.simulate(pm.compile_model(m), ramp, method=RK4, step=1e-3, record_every=5e-3)
+        for m in (model, bound.reduced(bound.best), free.reduced(free.best))
+    )
+    within, beyond = (pm.compare(full, run, [output]).outputs[0] for run in (kept, less))
+    # The body goes its way however the wheel shakes, so the end alone is easy to keep.
+    assert abs(beyond.final_error) <= 0.01
+    assert beyond.largest > 0.01
+    assert max(abs(within.final_error), within.largest) <= 0.01
+    assert bound.best.score == pytest.approx(strict.score(within), rel=1e-3)
+
+
 def test_a_search_without_tolerances_is_refused():
     with pytest.raises(pm.ProperModelError) as caught:
         pm.find_proper_model(pm.elaborate(QuarterCar()), scenario(), {})

@@ -53,7 +53,8 @@ def reduce(
         typer.Option(
             "--tolerance",
             help="Find the smallest model in which an output changes by less than this share of its range (rms): "
-            "body.flange.flow=2%.",
+            "body.flange.flow=2%. Or name features: fuel=final:0.2%,largest:1% (mean, rms, largest, final, peak, "
+            "peak-time, rise, settling).",
             metavar="PATH=SHARE",
         ),
     ] = None,

@@ -158,10 +158,10 @@ def comparison_table(comparison: Comparison) -> Table:
         made.add_row(
             plain(error.path),
             f"{error.rms:.3%}",
-            f"{error.maximum:.3%}",
+            f"{error.largest:.3%}",
             f"{error.at:.1f}",
-            f"{error.reference_final:.6g}",
-            f"{error.final:.6g}",
+            f"{error.reference.final:.6g}",
+            f"{error.other.final:.6g}",
             error.unit,
         )
     return made

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from propermodel.diagnostics import Path, SimulationError, one_of, parse_path
+from propermodel.diagnostics import Path, SimulationError, nearest, one_of, parse_path
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from propermodel.analysis.comparison import OutputError
+    from propermodel.analysis.tolerances import Tolerance
     from propermodel.cli.models import Subject
     from propermodel.compiler import CompiledModel
     from propermodel.reduction.search import Candidate, ProperModelSearch
@@ -27,7 +29,7 @@ def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *,
     from propermodel.reduction.search import find_proper_model
 
     compiled = compile_model(subject.model)
-    wanted = dict(_tolerance(compiled, subject, text) for text in tolerances)
+    wanted = _tolerances(compiled, subject, tolerances)
     with ProgressBars() as bars:
         found = find_proper_model(
             subject.model,
@@ -55,19 +57,51 @@ def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *,
         screen.print(f"{(out / name).as_posix()}  {meaning}")
 
 
-def _tolerance(compiled: CompiledModel, subject: Subject, text: str) -> tuple[Path, float]:
-    """An output with its tolerance, written `body.flange.flow=2%`; a last name will do where it is the only one."""
-    name, sign, share = text.partition("=")
+def _tolerances(compiled: CompiledModel, subject: Subject, texts: Sequence[str]) -> dict[Path, Tolerance]:
+    """Outputs with their tolerances, each written `body.flange.flow=2%` or `fuel.mass=final:0.2%,largest:1%`."""
+    from propermodel.analysis.tolerances import Tolerance
+
+    found: dict[Path, dict[str, float]] = {}
+    for text in texts:
+        name, _, shares = text.partition("=")
+        parsed = [_share(text, part) for part in shares.split(",")]
+        given = found.setdefault(_output(compiled, subject, name), {})
+        for feature, share in parsed:
+            if feature in given:
+                raise _no_tolerance(f"the {feature} of '{name}' is given twice")
+            given[feature] = share
+    return {path: Tolerance(**given) for path, given in found.items()}
+
+
+def _share(text: str, part: str) -> tuple[str, float]:
+    """A feature with its share; without a name it is the root mean square."""
+    from propermodel.analysis.comparison import Feature
+
+    name, _, share = part.rpartition(":")
+    feature = name.strip().replace("-", "_") or Feature.RMS.value
     try:
-        value = float(share.removesuffix("%")) * (0.01 if share.endswith("%") else 1.0)
+        value = float(share.strip().removesuffix("%")) * (0.01 if share.strip().endswith("%") else 1.0)
     except ValueError:
         value = 0.0
-    if not sign or not value > 0.0:
-        raise SimulationError.of(
-            "simulation/tolerance",
-            f"'{text}' is no output with a tolerance",
-            help="write --tolerance body.flange.flow=2%, or a share of the range: body.flange.flow=0.02",
-        )
+    if not 0.0 < value < float("inf"):
+        raise _no_tolerance(f"'{text}' is no output with a tolerance")
+    if feature not in set(Feature):
+        raise _no_tolerance(f"'{name}' is no feature of an output", nearest(feature, [f.value for f in Feature]))
+    return feature, value
+
+
+def _no_tolerance(message: str, help: str = "") -> SimulationError:
+    from propermodel.analysis.comparison import Feature
+
+    features = ", ".join(feature.value for feature in Feature)
+    cure = "write --tolerance body.flange.flow=2% (rms, as a share of the range), or name features: "
+    return SimulationError.of(
+        "simulation/tolerance", message, help=help or f"{cure}fuel=final:0.2%,largest:1%; there are {features}"
+    )
+
+
+def _output(compiled: CompiledModel, subject: Subject, name: str) -> Path:
+    """An output by path; a last name will do where it is the only one."""
     path = parse_path(name.strip())
     known = compiled.lowered.observables
     if path not in known:
@@ -80,14 +114,17 @@ def _tolerance(compiled: CompiledModel, subject: Subject, text: str) -> tuple[Pa
                 help=one_of(str(path), map(str, ending or offered)),
             )
         (path,) = ending
-    return path, value
+    return path
 
 
 def _report(found: ProperModelSearch) -> dict[str, object]:
     return {
         "model": found.model.name,
         "scenarios": list(found.scenarios),
-        "tolerances_rms_over_range": {str(path): share for path, share in found.tolerances.items()},
+        "tolerances": {
+            str(path): {feature.value: share for feature, share in tolerance.shares.items()}
+            for path, tolerance in found.tolerances.items()
+        },
         "rows": found.rows,
         "states": found.states,
         "simulations": found.simulations,
@@ -110,10 +147,15 @@ def _candidate(candidate: Candidate) -> dict[str, object]:
         "verdict": candidate.verdict.value,
         "why": candidate.why,
         "errors": {
-            scenario: {
-                str(output.path): {"rms": output.rms, "maximum": output.maximum, "final": output.final_error}
-                for output in comparison.outputs
-            }
+            scenario: {str(output.path): _errors(output) for output in comparison.outputs}
             for scenario, comparison in candidate.comparisons.items()
         },
     }
+
+
+def _errors(output: OutputError) -> dict[str, object]:
+    from propermodel.analysis.comparison import Feature
+    from propermodel.analysis.features import Undefined
+
+    found = {feature: output.of(feature) for feature in Feature}
+    return {feature.value: value.why if isinstance(value, Undefined) else value for feature, value in found.items()}

@@ -16,6 +16,8 @@ from enum import StrEnum
 import numpy as np
 
 from propermodel.analysis.comparison import Comparison, compare
+from propermodel.analysis.features import Undefined
+from propermodel.analysis.tolerances import Tolerance
 from propermodel.codegen.machine import Method
 from propermodel.compiler import CompiledModel, compile_quietly
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
@@ -34,6 +36,9 @@ TRIES_PER_SIZE = 3
 TRIES_TO_REFINE = 8
 ROWS = 2000  # recorded of each run, where nothing else is asked for
 MARGIN = 0.8  # of the tolerance: what a recommended model may use, as other scenarios cost more
+
+
+Allowed = float | Tolerance  # of an output; a number is a root mean square
 
 
 class Verdict(StrEnum):
@@ -74,7 +79,7 @@ class ProperModelSearch:
     """All candidates of a search and what came of it."""
 
     model: Model
-    tolerances: Mapping[Path, float]
+    tolerances: Mapping[Path, Tolerance]
     scenarios: tuple[str, ...]
     rows: int  # of the full model
     states: int
@@ -114,7 +119,7 @@ class ProperModelSearch:
             f"{self.model.name}: {self.rows} rows, {self.states} states; {len(self.candidates)} models tried with "
             f"{self.simulations} simulations on {', '.join(self.scenarios)}"
         )
-        lines = [head, *(f"  {path} within {share:.3g} of its range" for path, share in self.tolerances.items())]
+        lines = [head, *(f"  {path}: {tolerance}" for path, tolerance in self.tolerances.items())]
         lines.append(f"{'rows':>6}{'states':>8}{'error / tolerance':>20}{'predicted':>11}")
         for candidate in self.front:
             mark = (
@@ -132,7 +137,7 @@ class ProperModelSearch:
 def find_proper_model(
     model: Model,
     scenarios: Scenario | Iterable[Scenario],
-    tolerances: Mapping[Path, float] | Mapping[str, float] | Mapping[Expr, float],
+    tolerances: Mapping[Path, Allowed] | Mapping[str, Allowed] | Mapping[Expr, Allowed],
     *,
     method: MethodChoice = Method.SEMI_IMPLICIT,
     step: float | None = None,
@@ -148,7 +153,8 @@ def find_proper_model(
         model: The full model.
         scenarios: What it is for. Those that matter most first; scenarios for verification count like all others.
         tolerances: Of each output that matters: the largest root mean square of its change, as a share of its range in
-            the full model's run.
+            the full model's run; or a `Tolerance` for other features. Predictions know root mean squares alone and are
+            judged by the smallest share of a tolerance; simulation judges every feature.
         method: How a step is taken; with "auto" a short trial of the full model decides for all.
         step: Largest step, s.
         jacobian_every: How many steps of an implicit method may share one Jacobian.
@@ -161,15 +167,16 @@ def find_proper_model(
         Every model that was tried; `recommended`, `best` and `front` choose among them.
 
     Raises:
-        ReductionError: there is no scenario or tolerance, or a run of the full model did not reach its end.
+        ReductionError: there is no scenario or tolerance, an output lacks a feature that its tolerance names, or a run
+            of the full model did not reach its end.
         SimulationError: a scenario does not fit the model.
     """
     every = (scenarios,) if isinstance(scenarios, Scenario) else tuple(scenarios)
-    wanted = {observable_path(output): float(share) for output, share in tolerances.items()}
-    if not every or not wanted or not all(share > 0.0 for share in wanted.values()):
+    wanted = {observable_path(output): Tolerance.of(allowed) for output, allowed in tolerances.items()}
+    if not every or not wanted:
         raise ReductionError.of(
             "reduction/tolerances",
-            "a search needs a scenario, and outputs with tolerances above zero",
+            "a search needs a scenario, and outputs with tolerances",
             help='for 1 % of its range: find_proper_model(model, scenario, {"body.flange.flow": 0.01})',
         )
     full = compile_quietly(model)
@@ -205,7 +212,7 @@ class _Runner:
         self,
         full: CompiledModel,
         scenarios: tuple[Scenario, ...],
-        tolerances: Mapping[Path, float],
+        tolerances: Mapping[Path, Tolerance],
         first: Trajectory,
         record_every: float | None,
     ) -> None:
@@ -215,8 +222,11 @@ class _Runner:
         self._stepping = first.stepping
         self._record_every = record_every
         self.runs = (first, *(self._run(full, scenario, None) for scenario in scenarios[1:]))
+        for run in self.runs:
+            if run.ending.is_complete:
+                _check_features(run, tolerances)
         self.predictions: tuple[Prediction, ...] = tuple(predict_errors(run, tolerances) for run in self.runs)
-        self.proposals = Proposals(self.predictions, np.array(list(tolerances.values())))
+        self.proposals = Proposals(self.predictions, np.array([t.smallest for t in tolerances.values()]))
         self._evidence = RunEvidence.of(full, self.runs[0])
 
     def try_out(self, choice: Choice, predicted: float) -> tuple[Candidate, int]:
@@ -247,7 +257,7 @@ class _Runner:
                 return self._candidate(choice, removals, predicted, Verdict.FAILED, why, gone, compiled), number
             found = compare(reference, run, self.tolerances)
             comparisons[scenario.name] = found
-            score = max(score, *(output.rms / self.tolerances[output.path] for output in found.outputs))
+            score = max(score, *(self.tolerances[output.path].score(output) for output in found.outputs))
             if not score <= 1.0 and number < len(self.scenarios):
                 break
         verdict = Verdict.WITHIN if score <= 1.0 else Verdict.OUTSIDE
@@ -294,6 +304,23 @@ class _Runner:
 def _period(scenario: Scenario, given: float | None) -> float:
     """The period of recording, s."""
     return (scenario.stop - scenario.start) / ROWS if given is None else given
+
+
+def _check_features(run: Trajectory, tolerances: Mapping[Path, Tolerance]) -> None:
+    """See that the full model's outputs have the features that are to be kept.
+
+    Raises:
+        ReductionError: one does not.
+    """
+    for error in compare(run, run, tolerances).outputs:
+        for feature in tolerances[error.path].shares:
+            lacking = error.of(feature)
+            if isinstance(lacking, Undefined):
+                raise ReductionError.of(
+                    "reduction/undefined-feature",
+                    f"'{error.path}' has no {feature.value} on {run.scenario.name}: {lacking.why}",
+                    help="give a tolerance of another feature (rms, final), or a scenario in which it has this one",
+                )
 
 
 class _Search:

@@ -163,10 +163,11 @@ def _output_error(error: OutputError) -> dict[str, Json]:
         "unit": error.unit,
         "range": error.reference_range,
         "rms": error.rms,
-        "maximum": error.maximum,
+        "mean": error.mean,
+        "maximum": error.largest,
         "maximum_at_s": error.at,
-        "final_full": error.reference_final,
-        "final_reduced": error.final,
+        "final_full": error.reference.final,
+        "final_reduced": error.other.final,
         "final": error.final_error,
     }
 
