@@ -10,6 +10,7 @@ from propermodel.causality.closures import closures
 from propermodel.causality.conflicts import Conflict, contradiction, explain, no_inverse, undetermined
 from propermodel.causality.fields import field_causalities
 from propermodel.causality.implicit import Given, implicit_causalities
+from propermodel.causality.vanishing import ports_that_receive_effort, vanishing_two_ports
 from propermodel.diagnostics import Path, StructureError
 from propermodel.expressions.core import SymbolKind, leaves
 from propermodel.modelling.model import (
@@ -60,6 +61,8 @@ def assign_causality(
         storages.sort(key=lambda element: place[element.path])
     storages.sort(key=_turn)
     integral, derivative = work.assign_storage(storages)
+    for element in vanishing_two_ports(graph):
+        work.attempt(element, work.multiplying_pattern(element), Why.MODULUS)
     resistances = [(e, e.behaviour) for e in elements if isinstance(e.behaviour, Resistive)]
     for element, behaviour in sorted(resistances, key=lambda pair: _turn_of_resistance(pair[1])):
         work.choose(element, behaviour)
@@ -163,6 +166,12 @@ class Assignment:
         """The strokes of a storage in integral or derivative causality."""
         receives = (element.kind is ElementKind.INERTIA) is integral
         return {bond.name: receives for bond in self.at[element.path]}
+
+    def multiplying_pattern(self, element: Element) -> Pattern:
+        """The strokes of a two-port that multiplies with its modulus."""
+        receives = ports_that_receive_effort(element)
+        found = ((self.bond_of(element, port), into) for port, into in receives.items())
+        return {bond.name: into for bond, into in found if bond is not None}
 
     # -- assignment --------------------------------------------------------------------------------
 

@@ -20,6 +20,7 @@ class Why(StrEnum):
     PREFERENCE = "its author prefers this causality"
     INTEGRAL = "integral causality preferred"
     DERIVATIVE = "integral causality is impossible"
+    MODULUS = "its modulus may be zero, so it multiplies instead of dividing"
     CHOICE = "chosen: both causalities are possible"
     REMAINING = "only one law fits the other strokes of its element"
     JUNCTION = "follows at a junction"

@@ -13,6 +13,7 @@ from propermodel.causality.assign import Assignment, Pattern
 from propermodel.causality.causal import CausalGraph, Stroke, Why
 from propermodel.causality.conflicts import Conflict
 from propermodel.causality.invertible import Inversion
+from propermodel.causality.vanishing import vanishing_two_ports
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import PowerSource, Resistive, Storage
 
@@ -41,6 +42,8 @@ def assign_beyond_laws(graph: BondGraph) -> CausalGraph | None:
     for element in elements:
         if isinstance(element.behaviour, Storage):
             work.prefer_integral(element)
+    for element in vanishing_two_ports(graph):
+        work.keeps_completion(element, work.multiplying_pattern(element), Why.MODULUS)
     for element in elements:
         if isinstance(element.behaviour, Resistive):
             work.prefer_laws(element)

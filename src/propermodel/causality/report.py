@@ -29,6 +29,7 @@ _REASONS = {
     Why.PREFERENCE: "preferred by its author",
     Why.INTEGRAL: "integral causality",
     Why.DERIVATIVE: "derivative causality",
+    Why.MODULUS: "modulus may be 0",
     Why.CHOICE: "chosen, either fits",
     Why.REMAINING: "only law left",
     Why.JUNCTION: "junction",
