@@ -108,9 +108,10 @@ if TYPE_CHECKING:
     from propermodel.equations.matrices import SymbolicMatrices, symbolic_matrices
     from propermodel.equations.readable import ReadableEquations, state_equations
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
+    from propermodel.reduction.candidates import Candidate, ProperModelSearch
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.reduction.prediction import PredictedError, Prediction, predict_errors
-    from propermodel.reduction.search import Candidate, ProperModelSearch, find_proper_model
+    from propermodel.reduction.search import find_proper_model
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
     from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
@@ -138,8 +139,8 @@ _WHEN_USED = {
     "Reduction": "reduction.plan",
     "OutputError": "analysis.comparison",
     "PredictedError": "reduction.prediction",
-    "Candidate": "reduction.search",
-    "ProperModelSearch": "reduction.search",
+    "Candidate": "reduction.candidates",
+    "ProperModelSearch": "reduction.candidates",
     "Prediction": "reduction.prediction",
     "ReductionStudy": "report.study",
     "Sensitivities": "analysis.sensitivities",

@@ -12,8 +12,8 @@ import propermodel as pm
 from examples.quarter_car import QuarterCar, scenario
 from propermodel.diagnostics import Path, parse_path
 from propermodel.library.mechanics.translation import Damper, Fixed, Mass, Spring, Weight
+from propermodel.reduction.candidates import Verdict
 from propermodel.reduction.prediction import predict_errors
-from propermodel.reduction.search import Verdict
 from tests.cli import quarter_car as driven
 from tests.physics.systems import SinePush
 

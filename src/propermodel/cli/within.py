@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.tolerances import Tolerance
     from propermodel.cli.models import Subject
     from propermodel.compiler import CompiledModel
-    from propermodel.reduction.search import Candidate, ProperModelSearch
+    from propermodel.reduction.candidates import Candidate, ProperModelSearch
 
 
 def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *, as_json: bool) -> None:

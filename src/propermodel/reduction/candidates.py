@@ -1,0 +1,109 @@
+"""What a search for the smallest model gives: every model that was tried, and which of them to take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+
+from propermodel.analysis.comparison import Comparison
+from propermodel.analysis.tolerances import Tolerance
+from propermodel.diagnostics import Path
+from propermodel.modelling.model import Model, Removal
+
+MARGIN = 0.8  # of the tolerance: what a recommended model may use, as other scenarios cost more
+
+
+class Verdict(StrEnum):
+    """What simulation says of a candidate."""
+
+    WITHIN = "within the tolerances"
+    OUTSIDE = "outside"
+    REFUSED = "refused"  # no equations, or an output that no longer exists
+    FAILED = "failed"  # a run did not reach its end
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """A model that was tried: what went, what was predicted, and how far its outputs are from those of the full model.
+
+    `score` is the largest error over its tolerance; it is infinite where there is no error to measure.
+    """
+
+    rows: tuple[Path, ...]
+    removals: tuple[Removal, ...]
+    predicted: float  # score
+    score: float
+    verdict: Verdict
+    why: str
+    states: int
+    comparisons: Mapping[str, Comparison] = field(default_factory=dict[str, Comparison])  # by scenario
+
+    def __str__(self) -> str:
+        measured = f"{self.score:.2f}" if np.isfinite(self.score) else "-"
+        return (
+            f"without {len(self.rows)} rows, {self.states} states: predicted {self.predicted:.2f} of the tolerance, "
+            f"measured {measured}: {self.verdict}{f' ({self.why})' if self.why else ''}"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProperModelSearch:
+    """All candidates of a search and what came of it."""
+
+    model: Model
+    tolerances: Mapping[Path, Tolerance]
+    scenarios: tuple[str, ...]
+    rows: int  # of the full model
+    states: int
+    candidates: tuple[Candidate, ...]  # in the order in which they were tried
+    simulations: int
+    notes: tuple[str, ...]
+
+    @property
+    def best(self) -> Candidate | None:
+        """The smallest model within the tolerances, the one with fewer states or less error among equals."""
+        within = [c for c in self.candidates if c.verdict is Verdict.WITHIN]
+        return min(within, key=lambda c: (-len(c.rows), c.states, c.score), default=None)
+
+    @property
+    def recommended(self) -> Candidate | None:
+        """The smallest with a margin, for scenarios that were not tried; the best where none has one."""
+        within = [c for c in self.candidates if c.verdict is Verdict.WITHIN and c.score <= MARGIN]
+        return min(within, key=lambda c: (-len(c.rows), c.states, c.score), default=self.best)
+
+    @property
+    def front(self) -> tuple[Candidate, ...]:
+        """The candidates that no other beats in size and error, the largest model first."""
+        measured = sorted((c for c in self.candidates if np.isfinite(c.score)), key=lambda c: (-len(c.rows), c.score))
+        found: list[Candidate] = []
+        for candidate in measured:
+            if not found or candidate.score < found[-1].score:
+                found.append(candidate)
+        return tuple(reversed(found))
+
+    def reduced(self, candidate: Candidate | None = None) -> Model:
+        """The model of a candidate, by default the recommended one; the full model if nothing can go."""
+        chosen = candidate or self.recommended
+        return self.model if chosen is None else self.model.without(chosen.removals)
+
+    def __str__(self) -> str:
+        head = (
+            f"{self.model.name}: {self.rows} rows, {self.states} states; {len(self.candidates)} models tried with "
+            f"{self.simulations} simulations on {', '.join(self.scenarios)}"
+        )
+        lines = [head, *(f"  {path}: {tolerance}" for path, tolerance in self.tolerances.items())]
+        lines.append(f"{'rows':>6}{'states':>8}{'error / tolerance':>20}{'predicted':>11}")
+        for candidate in self.front:
+            mark = (
+                " <- recommended" if candidate is self.recommended else " <- smallest" if candidate is self.best else ""
+            )
+            lines.append(
+                f"{self.rows - len(candidate.rows):>6}{candidate.states:>8}{candidate.score:>20.3f}"
+                f"{candidate.predicted:>11.3f}{mark}"
+            )
+        if self.best is None:
+            lines.append("nothing can go within these tolerances")
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
