@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import gc
+import sys
 import weakref
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -199,3 +202,21 @@ def test_postorder_lists_every_node_once_after_its_arguments():
     assert len(order) == len(set(order))
     assert all(order.index(arg) < order.index(node) for node in order for arg in node.args)
     assert set(SYMBOLS[:2]) <= set(order)
+
+
+def test_threads_that_make_the_same_symbols_share_them():
+    together = Barrier(4)
+
+    def made(turn: int) -> list[object]:
+        together.wait()
+        return [symbol(SymbolKind.SIGNAL, Path((f"turn_{turn}", f"x_{k}")), "m") for k in range(100)]
+
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            for turn in range(40):
+                first, *others = pool.map(made, [turn] * 4)
+                assert all(mine is theirs for other in others for mine, theirs in zip(first, other, strict=True))
+    finally:
+        sys.setswitchinterval(usual)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import StrEnum
 from operator import is_
+from threading import RLock
 from typing import Any, NoReturn
 from weakref import ref
 
@@ -107,11 +108,14 @@ class _Interned(ref["Expr"]):
 
 # A plain dictionary of weak references: most of the time of building a model is spent looking nodes up.
 _interned: dict[tuple[Any, ...], _Interned] = {}
+# Models are compiled in several threads at once. A node may be given up while its thread holds the lock.
+_interning = RLock()
 
 
 def _forget(reference: _Interned) -> None:
-    if _interned.get(reference.key) is reference:
-        del _interned[reference.key]
+    with _interning:
+        if _interned.get(reference.key) is reference:
+            del _interned[reference.key]
 
 
 class Expr:
@@ -220,7 +224,12 @@ def intern_node(op: Op, args: tuple[Expr, ...], data: Any = None) -> Expr:
     assign(node, "known_leaves", None)
     reference = _Interned(node, _forget)
     reference.key = key
-    _interned[key] = reference
+    with _interning:
+        earlier = _interned.get(key)
+        found = None if earlier is None else earlier()
+        if found is not None:  # another thread was faster
+            return found
+        _interned[key] = reference
     return node
 
 
