@@ -1,10 +1,13 @@
 """What a run starts with: parameters, each from those that it is defined by, and finite numbers everywhere."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
 import propermodel as pm
+from examples.quarter_car import QuarterCar
+from examples.quarter_car import scenario as waves
 from propermodel.diagnostics import ModelError, SimulationError
 from propermodel.expressions import Expr
 from propermodel.modelling import (
@@ -124,3 +127,13 @@ def test_the_window_of_a_run_is_finite(window):
 def test_periods_of_recording_are_positive(name, period):
     with pytest.raises(SimulationError, match="simulation/period"):
         simulate(pm.compile_model(elaborate(Ratio())), Scenario(), **{name: period})
+
+
+def test_a_reduced_model_runs_the_scenarios_of_the_full_one():
+    model = pm.elaborate(QuarterCar())
+    given = replace(waves(), initial={pm.Path(("tyre", "spring", "displacement")): 0.01})
+    reduced = pm.compile_model(model.without([pm.ZeroFlow(pm.Path(("tyre", "spring", "port")))]))
+    assert pm.simulate(reduced, given, step=1e-3).ending.is_complete
+    misspelt = replace(given, initial={pm.Path(("tire", "spring", "displacement")): 0.01})
+    with pytest.raises(pm.ProperModelError, match="which is no state of this model"):
+        pm.simulate(reduced, misspelt, step=1e-3)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.parameters import faults_of_range, in_unit
 from propermodel.bondgraph.parameters import parameter_values as find_values
 from propermodel.causality.transformer_loops import redundant_loops
@@ -262,14 +263,19 @@ def _position_switches(compiled: CompiledModel, memory: Memory) -> None:
 def _initial_states(
     compiled: CompiledModel, scenario: Scenario, parameters: Values, faults: Faults
 ) -> dict[Path, float]:
-    """Initial values of a scenario by state: given as the state itself, or as the variable it decides at its port."""
+    """Initial values of a scenario by state: given as the state itself, or as the variable it decides at its port.
+
+    A model that was reduced runs the scenarios of the full one: starts of elements that were removed are left out.
+    """
     states = {s.path for s in (*compiled.system.states, *compiled.system.dependents)}
     held = {h.data.path for h in compiled.lowered.held}
     found: dict[Path, float] = {}
     for path, value in scenario.initial.items():
         if path in states:
             found[path] = value
-        elif path not in held and not _at_port(compiled, path, value, parameters, found):
+        elif path in held or _at_port(compiled, path, value, parameters, found) or _is_removed(compiled, path):
+            continue
+        else:
             faults.add(
                 Diagnostic(
                     "simulation/unknown-initial",
@@ -278,6 +284,15 @@ def _initial_states(
                 )
             )
     return found
+
+
+def _is_removed(compiled: CompiledModel, path: Path) -> bool:
+    """Whether a path leads to an element that only the model without removals has."""
+    if not compiled.model.removals:
+        return False
+    full = flatten(replace(compiled.model, removals=())).normal.elements
+    owners = [Path(path[:length]) for length in range(1, len(path))]
+    return any(owner in full and owner not in compiled.graph.normal.elements for owner in owners)
 
 
 def _at_port(compiled: CompiledModel, path: Path, value: float, parameters: Values, found: dict[Path, float]) -> bool:
