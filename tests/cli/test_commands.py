@@ -169,6 +169,20 @@ def test_a_run_is_recorded_shown_and_run_again(tmp_path: Path):
     flow = stored["body.flange.flow"]
     assert row[1:] == [f"{flow.min():.6g}", f"{flow.max():.6g}", "m/s"]
     assert "suspension" in succeed("show", file, "--tree")
+    succeed(
+        "run",
+        MODEL,
+        "--until",
+        "2",
+        "--record-every",
+        "0.5",
+        "--record-extremes",
+        "--record-to",
+        tmp_path / "coarse.npz",
+    )
+    assert load_trajectory(tmp_path / "coarse.npz").extremes("body.flange.flow").greatest.max() == pytest.approx(
+        flow.max(), rel=1e-3
+    )
     assert succeed("run", file).startswith("quarter_car, scenario waves: completed to 2 s; 1000 steps of 0.002 s (rk4)")
     done = invoke("run", MODEL, "--record-to", tmp_path / "nowhere" / "run.npz")
     assert done.exit_code == 2

@@ -45,6 +45,13 @@ def run(
             dir_okay=False,
         ),
     ] = None,
+    record_extremes: Annotated[
+        bool,
+        typer.Option(
+            "--record-extremes",
+            help="Keep the least and greatest values between rows, from every step, so that no peak is lost.",
+        ),
+    ] = False,
     out: OutFolder = None,
     as_json: AsJson = False,
 ) -> None:
@@ -83,6 +90,7 @@ def run(
             tolerance=subject.tolerance,
             record_every=period,
             record_to=record_to,
+            record_extremes=record_extremes,
             until=condition,
             progress=lambda progress: bars("simulating", progress),
         )

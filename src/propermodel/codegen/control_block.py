@@ -33,7 +33,11 @@ class Word(IntEnum):
     NEXT_STEP = 22
     LAST_ERROR = 23
     STEPS_REJECTED = 24
-    FIRST_RATE = 25
+    LEAST = 25  # of the signals since the last row; 0 where nobody asks
+    GREATEST = 26
+    LEAST_ROWS = 27
+    GREATEST_ROWS = 28
+    FIRST_RATE = 29
 
 
 class Code(IntEnum):

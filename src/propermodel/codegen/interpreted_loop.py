@@ -21,6 +21,7 @@ from propermodel.codegen.machine import (
     Status,
     count_from,
     instant,
+    open_extremes,
     sample_periods,
     state_failures,
 )
@@ -51,8 +52,11 @@ class Loop:
         self._integral_times: list[float] = []
         self._integrals: list[FloatArray] = []
         self._activities: list[FloatArray] = []
+        self._least: list[FloatArray] = []
+        self._greatest: list[FloatArray] = []
         self._near = request.step * SAME_INSTANT
         self._event_step = 0.0
+        open_extremes(memory, request)
         memory.rows_taken = count_from(memory, request, memory.rows_taken, request.row_period)
         memory.integral_rows_taken = count_from(memory, request, memory.integral_rows_taken, request.integral_period)
         if machine.lanes == 1:
@@ -104,15 +108,37 @@ class Loop:
                 self._machine.sample_one(self._run, k, memory.time)
                 memory.samples_taken[k] += 1
         if self._is_due(self._row_due()):
-            signals = self._machine.signals(self._run, memory.time)
+            signals = self._machine.signals(self._run, memory.time)[self._request.selected].copy()
             self._row_times.append(memory.time)
-            self._rows.append(signals[self._request.selected].copy())
+            self._rows.append(signals)
             memory.rows_taken += 1
+            if self._request.has_extremes:
+                self._keep_extremes(signals)
+        elif self._periods:
+            self.watch(memory.time)
         if self._is_due(self._integral_due()):
             self._integral_times.append(memory.time)
             self._integrals.append(memory.integral.copy())
             self._activities.append(memory.activity.copy())
             memory.integral_rows_taken += 1
+
+    def watch(self, time: float) -> None:
+        """Look at the signals at a time, where extremes are asked for."""
+        if self._request.has_extremes:
+            self._merge(self._machine.signals(self._run, time)[self._request.selected])
+
+    def _merge(self, signals: FloatArray) -> None:
+        memory = self._memory
+        np.copyto(memory.least, signals, where=signals < memory.least)
+        np.copyto(memory.greatest, signals, where=signals > memory.greatest)
+
+    def _keep_extremes(self, signals: FloatArray) -> None:
+        memory = self._memory
+        self._merge(signals)
+        self._least.append(memory.least.copy())
+        self._greatest.append(memory.greatest.copy())
+        memory.least[...], memory.greatest[...] = math.inf, -math.inf
+        self._merge(signals)
 
     def _next_instant(self) -> float:
         dues = [self._request.until, self._row_due(), self._integral_due()]
@@ -143,6 +169,7 @@ class Loop:
                 self._event_step = h
                 return Status.EVENT
             memory.steps_taken += 1
+            self.watch(end if i + 1 == count else start + (i + 1) * h)
             if (i + 1) % STEPS_BETWEEN_CHECKS == 0 and len(state_failures(memory)) == memory.alive.sum():
                 memory.time = start + (i + 1) * h
                 self._check()
@@ -174,6 +201,8 @@ class Loop:
             integral_times=np.array(self._integral_times),
             integrals=stacked(self._integrals, shape),
             activities=stacked(self._activities, shape),
+            least=stacked(self._least, selected),
+            greatest=stacked(self._greatest, selected),
             failures=tuple(failures),
             step=self._event_step if status is Status.EVENT else 0.0,
         )
@@ -216,6 +245,7 @@ class AdaptiveLoop(Loop):
             memory.steps_taken += 1
             self._plan(error, h, wanted, most_growth)
             memory.time = end if is_last else time + h
+            self.watch(memory.time)
             if is_last:
                 machine.finish(attempt, end)
                 return None

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from propermodel.codegen.control_block import Code
+from propermodel.codegen.llvm_extremes import watch_lines
 from propermodel.codegen.llvm_implicit import close_lines
 from propermodel.codegen.llvm_loops import has_solve
 from propermodel.codegen.llvm_text import Frame, literal
@@ -50,6 +51,8 @@ def adaptive_tick_lines(program: Program, frame: Frame, soonest: str) -> list[st
         "  store i64 %steps.after, ptr %steps.taken.at, align 8",
         *_next_step_lines(),
         f"  %t.next = select i1 %is.last, double {soonest}, double %t.end",
+        *watch_lines("step", "%t.next", "seen", "watch.failed"),
+        "seen:",
         "  br i1 %is.last, label %tick.end, label %go.on",
         "go.on:",
         f"  %is.long = icmp sge i64 %i.next, {STEPS_BETWEEN_PAUSES}",
@@ -68,6 +71,9 @@ def adaptive_tick_lines(program: Program, frame: Frame, soonest: str) -> list[st
         "  %is.bad = icmp ne i32 %code, 0",
         "  br i1 %is.bad, label %state.failed, label %instant",
         *(_close_failed_lines(soonest) if has_close else ()),
+        "watch.failed:",
+        "  store double %t.next, ptr %time.at, align 8",
+        "  br label %all.failed",
         "step.failed:",
         "  store double %ti, ptr %time.at, align 8",
         "  br label %all.failed",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from propermodel.codegen.control_block import Code
 from propermodel.codegen.llvm_events import compare_lines, event_lines, keep_lines
+from propermodel.codegen.llvm_extremes import watch_lines
 from propermodel.codegen.llvm_implicit import close_failed_lines, close_lines
 from propermodel.codegen.llvm_text import Frame, literal
 from propermodel.codegen.machine import SAME_INSTANT, STEPS_BETWEEN_CHECKS
@@ -37,6 +38,7 @@ def fixed_tick_lines(program: Program, frame: Frame, soonest: str) -> list[str]:
         "stepped:",
         *(compare_lines() if program.guards is not None else ()),
         "  %i.next = add nuw nsw i64 %i, 1",
+        *_watch_lines(soonest),
         f"  %i.rest = and i64 %i.next, {STEPS_BETWEEN_CHECKS - 1}",
         "  %is.glance = icmp eq i64 %i.rest, 0",
         "  br i1 %is.glance, label %glance, label %step.end",
@@ -64,10 +66,28 @@ def fixed_tick_lines(program: Program, frame: Frame, soonest: str) -> list[str]:
         "  store double %g.time, ptr %time.at, align 8",
         "  br label %state.failed",
         *(close_failed_lines(soonest) if program.implicit_step is not None else ()),
+        "watch.failed:",
+        "  %w.steps = add i64 %steps.before, %i.next",
+        "  store i64 %w.steps, ptr %steps.taken.at, align 8",
+        "  store double %ti, ptr %time.at, align 8",
+        "  br label %all.failed",
         "step.failed:",
         "  %f.steps = add i64 %steps.before, %i",
         "  store i64 %f.steps, ptr %steps.taken.at, align 8",
         "  store double %ti, ptr %time.at, align 8",
         "  br label %all.failed",
         *(event_lines(program, frame, int(Code.EVENT)) if program.guards is not None else ()),
+    ]
+
+
+def _watch_lines(soonest: str) -> list[str]:
+    """Look at the signals after a step that stays; on to `seen`."""
+    return [
+        "  %seen.number = sitofp i64 %i.next to double",
+        "  %seen.away = fmul double %seen.number, %h",
+        "  %seen.within = fadd double %t, %seen.away",
+        "  %seen.last = icmp sge i64 %i.next, %n",
+        f"  %seen.at = select i1 %seen.last, double {soonest}, double %seen.within",
+        *watch_lines("step", "%seen.at", "seen", "watch.failed"),
+        "seen:",
     ]

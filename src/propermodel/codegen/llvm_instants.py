@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from propermodel.codegen.control_block import Word
+from propermodel.codegen.llvm_extremes import kept_unknowns, watch_lines
 from propermodel.codegen.llvm_loops import has_solve
 from propermodel.codegen.llvm_text import PASSED, Frame
 from propermodel.codegen.program import Array, Program
@@ -28,6 +29,7 @@ def word_lines(rates: int) -> list[str]:
         ("integrals", Word.INTEGRALS, "ptr"),
         ("activities", Word.ACTIVITIES, "ptr"),
         ("integral.times", Word.INTEGRAL_TIMES, "ptr"),
+        ("least", Word.LEAST, "ptr"),
         *((f"period{k}", Word.FIRST_RATE + 2 * k, "double") for k in range(rates)),
     ):
         lines.append(f"  %{name}.at = getelementptr inbounds i64, ptr %c, i64 {int(place)}")
@@ -46,7 +48,7 @@ def word_lines(rates: int) -> list[str]:
         *((f"sample.number{k}", Word.FIRST_RATE + 2 * k + 1) for k in range(rates)),
     ):
         lines.append(f"  %{name}.at = getelementptr inbounds i64, ptr %c, i64 {int(place)}")
-    return lines
+    return [*lines, "  %is.watched = icmp ne ptr %least, null"]
 
 
 def due_lines() -> list[str]:
@@ -94,26 +96,15 @@ def sample_lines(program: Program) -> list[str]:
     return lines
 
 
-def kept_unknowns(frame: Frame, program: Program) -> tuple[str, str]:
-    """Instructions around `observe`: recording must not change where the next iteration starts."""
-    size = frame.offset(program.layout.lengths.get(Array.UNKNOWN, 0))
-    if not size or not has_solve(program.observe):
-        return "", ""
-    place, copy = frame.offset(frame.regions[Array.UNKNOWN]), frame.offset(frame.regions["kept_unknown"])
-    before = (
-        f"  %keep.a = getelementptr inbounds i8, ptr %w, i64 {place}\n"
-        f"  %keep.b = getelementptr inbounds i8, ptr %w, i64 {copy}\n"
-        f"  call void @llvm.memcpy.p0.p0.i64(ptr %keep.b, ptr %keep.a, i64 {size}, i1 false)"
-    )
-    return before, f"  call void @llvm.memcpy.p0.p0.i64(ptr %keep.a, ptr %keep.b, i64 {size}, i1 false)"
-
-
 def row_lines(frame: Frame, program: Program) -> list[str]:
     """The row of signals, where it is due; on to `row.end`."""
     before, after = kept_unknowns(frame, program)
     kind, lanes = frame.shape.number, frame.shape.lanes
+    # Where no controller is due nothing has changed since the last step.
+    is_still = not program.samples
     lines = [
-        "  br i1 %row.due, label %row.do, label %row.end",
+        f"  br i1 %row.due, label %row.do, label {'%row.end' if is_still else '%row.not'}",
+        *([] if is_still else ["row.not:", *watch_lines("instant", "%t", "row.end", "all.failed")]),
         "row.do:",
         before,
         f"  call void @observe({PASSED})",
@@ -148,6 +139,12 @@ def row_lines(frame: Frame, program: Program) -> list[str]:
         "  %g.next = add i64 %g, 1",
         "  br label %gather",
         "gather.end:",
+        "  br i1 %is.watched, label %row.extremes, label %row.done",
+        "row.extremes:",
+        "  call void @merge(ptr %w, ptr %c)",
+        "  call void @keep.extremes(ptr %w, ptr %c, i64 %row.start)",
+        "  br label %row.done",
+        "row.done:",
         "  %row.index.next = add i64 %row.index, 1",
         "  store i64 %row.index.next, ptr %row.count.at, align 8",
         "  %row.k.next = add i64 %row.k, 1",

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from propermodel.codegen.control_block import Code
 from propermodel.codegen.llvm_adaptive_tick import adaptive_tick_lines
+from propermodel.codegen.llvm_extremes import kept_unknowns, write_extremes
 from propermodel.codegen.llvm_fixed_tick import fixed_tick_lines
 from propermodel.codegen.llvm_instants import (
     due_lines,
     integral_lines,
-    kept_unknowns,
     plan_lines,
     row_lines,
     sample_lines,
@@ -22,6 +22,7 @@ from propermodel.codegen.program import Program
 
 def write_run(module: Module, program: Program, method: Method) -> None:
     """Write `run`, the loop over ticks."""
+    write_extremes(module, program)
     frame = module.frame
     rates = len(program.samples)
     soonest, plan = plan_lines(rates)

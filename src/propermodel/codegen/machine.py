@@ -129,6 +129,8 @@ class Memory:
     lower: FloatArray  # limits of every state
     upper: FloatArray
     size: FloatArray  # the largest magnitude of every state so far, where steps are controlled
+    least: FloatArray  # of every selected signal since the last row, where a request asks for extremes
+    greatest: FloatArray
     tables: tuple[TableData, ...]
     samples_taken: IntArray  # for each rate
     alive: BoolArray
@@ -180,6 +182,8 @@ def start_memory(
         lower=np.full_like(state, -math.inf),
         upper=np.full_like(state, math.inf),
         size=np.zeros_like(state),
+        least=np.zeros(0),
+        greatest=np.zeros(0),
         tables=tuple(tables),
         samples_taken=np.zeros(len(program.samples), dtype=np.int64),
         alive=np.ones(lanes, dtype=np.bool_),
@@ -198,7 +202,8 @@ def _no_numbers() -> FloatArray:
 class Request:
     """What one call of `run` shall do. An infinite period has its only instant at the origin.
 
-    Keep both periods for the whole run: the rows already taken are counted in the memory.
+    Keep both periods, and what is selected, for the whole run: the memory counts the rows already taken, and holds the
+    extremes since the last of them. These are looked for after every step and on either side of every instant.
     """
 
     until: float
@@ -206,6 +211,7 @@ class Request:
     row_period: float = math.inf
     integral_period: float = math.inf
     selected: IntArray = field(default_factory=_no_selection)  # indices of SIGNAL to record
+    has_extremes: bool = False  # whether the least and greatest values since the row before come with every row
     most_rows: int = 4096  # room for rows of each kind; when it is used up, the run pauses
     most_ticks: int = 1_000_000
     jacobian_every: int = 1  # steps that an implicit method takes with one Jacobian, within a tick
@@ -239,6 +245,8 @@ class Outcome:
     integral_times: FloatArray
     integrals: FloatArray
     activities: FloatArray
+    least: FloatArray  # of the signals between the row before and this one, both included; no rows if not asked for
+    greatest: FloatArray
     failures: tuple[Failure, ...] = ()
     step: float = 0.0  # the length of the step in which an event lies, s
 
@@ -375,6 +383,13 @@ def check_request(program: Program, memory: Memory, request: Request) -> None:
         raise ValueError(f"selected signals must be between 0 and {count - 1}")
     if not memory.alive.any() and memory.alive.size > 1:
         raise ValueError("every lane of this memory has failed")
+
+
+def open_extremes(memory: Memory, request: Request) -> None:
+    """Make room for the extremes since the last row, where a request asks for them and there is none."""
+    shape = (request.selected.size, *memory.state.shape[1:])
+    if request.has_extremes and memory.least.shape != shape:
+        memory.least, memory.greatest = np.full(shape, math.inf), np.full(shape, -math.inf)
 
 
 def instant(origin: float, count: int, period: float) -> float:

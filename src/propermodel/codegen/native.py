@@ -22,6 +22,7 @@ from propermodel.codegen.machine import (
     check_memory,
     check_request,
     not_solved,
+    open_extremes,
     sample_periods,
     state_failures,
 )
@@ -89,6 +90,7 @@ class NativeMachine:
             memory.alive[:] = True
         if self._method.is_adaptive:
             prepare_control(self, memory, request)
+        open_extremes(memory, request)
         work = self._work(memory)
         if self._method.is_adaptive:
             work.set_least_sizes(least_sizes(memory, request))

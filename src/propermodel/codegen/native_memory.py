@@ -184,6 +184,8 @@ class Control:
         self._row_times, self._integral_times = np.empty(most), np.empty(most)
         self._rows = np.empty((most, self._selected.size, lanes))
         self._integrals, self._activities = np.empty((most, powers, lanes)), np.empty((most, powers, lanes))
+        extremes = (most if request.has_extremes else 0, self._selected.size, lanes)
+        self._least, self._greatest = np.empty(extremes), np.empty(extremes)
         self._words = words = np.zeros(Word.FIRST_RATE + 2 * len(periods), dtype=np.int64)
         self._numbers = numbers = words.view(np.float64)
         numbers[Word.TIME] = memory.time
@@ -211,6 +213,11 @@ class Control:
         numbers[Word.NEXT_STEP] = memory.next_step
         numbers[Word.LAST_ERROR] = memory.last_error
         words[Word.STEPS_REJECTED] = memory.steps_rejected
+        if request.has_extremes:
+            words[Word.LEAST] = memory.least.ctypes.data
+            words[Word.GREATEST] = memory.greatest.ctypes.data
+            words[Word.LEAST_ROWS] = self._least.ctypes.data
+            words[Word.GREATEST_ROWS] = self._greatest.ctypes.data
         numbers[Word.FIRST_RATE :: 2] = periods
         words[Word.FIRST_RATE + 1 :: 2] = memory.samples_taken
         self.address = words.ctypes.data
@@ -244,6 +251,8 @@ class Control:
             integral_times=self._integral_times[:integrals].copy(),
             integrals=shaped(self._integrals, integrals),
             activities=shaped(self._activities, integrals),
+            least=shaped(self._least, rows),
+            greatest=shaped(self._greatest, rows),
             failures=tuple(failures),
             step=step,
         )

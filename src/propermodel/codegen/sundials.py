@@ -203,6 +203,7 @@ class _CvodeLoop(Loop):
                 return Status.EVENT
             memory.steps_taken += 1
             taken += 1
+            self.watch(memory.time)
             if taken >= STEPS_BETWEEN_PAUSES and memory.time < end:
                 return Status.PAUSED
         memory.time = end

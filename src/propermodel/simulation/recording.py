@@ -13,6 +13,7 @@ from propermodel.codegen.machine import FloatArray, IntArray, Memory, Outcome
 from propermodel.diagnostics import SimulationError
 from propermodel.modelling.files import FileName
 from propermodel.modelling.limits import Limits
+from propermodel.simulation.intervals import Intervals
 from propermodel.simulation.overflow import Overflow, first_overflow
 from propermodel.simulation.overview import Sink
 from propermodel.simulation.run_file import read_run
@@ -34,6 +35,7 @@ class Recorded:
 
     signals: Series
     integrals: Series
+    extremes: Series | None  # of the signals between two rows, as `overview.py` describes
     ending: Ending
 
 
@@ -50,6 +52,11 @@ class Store(Protocol):
         """Rows of the integrals of power and then of its absolute value."""
         ...
 
+    @property
+    def extremes(self) -> Sink | None:
+        """Intervals between rows: where each begins, the least and then the greatest values; none if not asked for."""
+        ...
+
     def report_often(self, progress: Callable[[], StoredProgress]) -> None:
         """Note how far the run has come, now and then."""
         ...
@@ -58,8 +65,8 @@ class Store(Protocol):
         """Note how the run ended."""
         ...
 
-    def series(self) -> tuple[Series, Series]:
-        """The signals and integrals that were kept."""
+    def series(self) -> tuple[Series, Series, Series | None]:
+        """The signals, integrals and extremes that were kept."""
         ...
 
 
@@ -70,23 +77,29 @@ class Recording:
         RecordingStopped: no more can be written.
     """
 
-    def __init__(self, store: Store, selected: IntArray, before: Memory) -> None:
+    def __init__(self, store: Store, selected: IntArray, memory: Memory) -> None:
         self._store = store
         self._selected = selected
+        self._intervals = None if store.extremes is None else Intervals(store.extremes, memory)
         self._last_integrals = -np.inf
         self.is_stopped = False
         self.overflow: Overflow | None = None  # the first integrals that were no finite numbers
-        self.before = before  # the run before the last call, whose numbers were finite
+        self.before = memory.copy()  # the run before the last call, whose numbers were finite
 
     def keep_signals(self, time: float, signals: FloatArray) -> None:
         """Add a row at an instant of the run's own."""
         with self._writing():
-            self._store.signals.add(np.array([time]), signals[np.newaxis, self._selected])
+            row = signals[self._selected]
+            self._store.signals.add(np.array([time]), row[np.newaxis])
+            if self._intervals is not None:
+                self._intervals.close_at(time, row)
 
     def keep(self, outcome: Outcome, progress: Callable[[], StoredProgress]) -> None:
         """Take over what one call recorded, and how far the run has come."""
         with self._writing():
             self._store.signals.add(outcome.row_times, outcome.rows)
+            if self._intervals is not None:
+                self._intervals.add(outcome.row_times, outcome.least, outcome.greatest)
             self._keep_integrals(outcome.integral_times, outcome.integrals, outcome.activities)
             self._store.report_often(progress)
         if self.overflow is None:
@@ -102,6 +115,8 @@ class Recording:
         if not self.is_stopped:
             try:
                 with self._writing():
+                    if self._intervals is not None:
+                        self._intervals.finish()
                     if last is not None and self._last_integrals < last.time:
                         self._keep_integrals(
                             np.array([last.time]), last.integral[np.newaxis], last.activity[np.newaxis]
@@ -131,11 +146,23 @@ def stopped_ending(error: RecordingStopped, time: float) -> Ending:
 class MemoryStore:
     """Rows kept in memory, with room for those that are expected; it grows where events add some."""
 
-    def __init__(self, span: float, row_period: float, columns: int, integral_period: float, powers: int) -> None:
-        self._signals = _Rows(int(span / row_period) + 3, columns)
+    def __init__(
+        self,
+        span: float,
+        row_period: float,
+        columns: int,
+        integral_period: float,
+        powers: int,
+        *,
+        has_extremes: bool = False,
+    ) -> None:
+        room = int(span / row_period) + 3
+        self._signals = _Rows(room, columns)
         self._integrals = _Rows(int(span / integral_period) + 3, 2 * powers)
+        self._extremes = _Rows(room, 2 * columns) if has_extremes else None
         self.signals: Sink = self._signals
         self.integrals: Sink = self._integrals
+        self.extremes: Sink | None = self._extremes
 
     def report_often(self, progress: Callable[[], StoredProgress]) -> None:
         """Nobody asks while the run goes on."""
@@ -143,9 +170,10 @@ class MemoryStore:
     def finish(self, progress: StoredProgress) -> None:
         """The run itself tells."""
 
-    def series(self) -> tuple[Series, Series]:
-        """The signals and integrals that were kept."""
-        return self._signals.series(), self._integrals.series()
+    def series(self) -> tuple[Series, Series, Series | None]:
+        """The signals, integrals and extremes that were kept."""
+        extremes = None if self._extremes is None else self._extremes.series()
+        return self._signals.series(), self._integrals.series(), extremes
 
 
 class _Rows:
@@ -178,12 +206,14 @@ class _Rows:
 class FileStore:
     """Rows written to a file as they come."""
 
-    def __init__(self, file: FileName, header: Header, columns: int, files: ExitStack) -> None:
+    def __init__(
+        self, file: FileName, header: Header, columns: int, files: ExitStack, *, has_extremes: bool = False
+    ) -> None:
         self._file = file
         self._header = header
         try:
             stream = files.enter_context(open(file, "wb"))  # noqa: PTH123, SIM115
-            self._writer = RunWriter(stream, header, columns)
+            self._writer = RunWriter(stream, header, columns, has_extremes=has_extremes)
         except OSError as error:
             raise SimulationError.of(
                 "simulation/record-to",
@@ -192,6 +222,7 @@ class FileStore:
             ) from error
         self.signals: Sink = self._writer.signals
         self.integrals: Sink = self._writer.integrals
+        self.extremes: Sink | None = self._writer.extremes
 
     def report_often(self, progress: Callable[[], StoredProgress]) -> None:
         """Note how far the run has come where rows were written, or after a while."""
@@ -201,7 +232,7 @@ class FileStore:
         """Write what is left, and how the run ended."""
         self._writer.finish(progress)
 
-    def series(self) -> tuple[Series, Series]:
-        """The signals and integrals that are in the file."""
+    def series(self) -> tuple[Series, Series, Series | None]:
+        """The signals, integrals and extremes that are in the file."""
         run = read_run(self._file, _OWN, self._header)
-        return run.signals, run.integrals
+        return run.signals, run.integrals, run.extremes

@@ -30,6 +30,7 @@ class RunFile:
     progress: StoredProgress  # with all events
     signals: FileSeries
     integrals: FileSeries
+    extremes: FileSeries | None
 
     @property
     def ending(self) -> Ending:
@@ -59,8 +60,7 @@ def read_run(file: FileName, limits: Limits, header: Header | None = None) -> Ru
                 raise damaged("it has no header")
             header = header or _header(stream, members[0], limits)
             kept, progress = _reported(stream, members, header, limits)
-        signals, integrals = _series(file, kept, header)
-        return RunFile(header, progress, signals, integrals)
+        return RunFile(header, progress, *_series(file, kept, header))
     except ProperModelError as error:
         raise of_file(error, file) from error
 
@@ -108,7 +108,10 @@ def _json(stream: BinaryIO, member: Member, limits: Limits) -> Json:
     return parse_json(read_array(stream, member).tobytes(), limits)
 
 
-def _series(file: FileName, members: Iterable[Member], header: Header) -> tuple[FileSeries, FileSeries]:
+def _series(
+    file: FileName, members: Iterable[Member], header: Header
+) -> tuple[FileSeries, FileSeries, FileSeries | None]:
+    """The signals, integrals and extremes of a file."""
     parts: dict[str, list[Member]] = {}
     for member in members:
         name, _, number = member.name.partition("/")
@@ -121,18 +124,30 @@ def _series(file: FileName, members: Iterable[Member], header: Header) -> tuple[
     width = stored[0].shape[-1] - 1 if stored else columns
     if width < columns:
         raise malformed("columns", f"expected at least {columns} columns of signals, found {width}")
+    signals = _with_levels(file, parts, "signals", _checked(file, stored, width, "signals"), width)
+    extremes = None
+    if "extremes" in parts:
+        intervals = _checked(file, parts.pop("extremes"), 2 * width, "extremes")
+        extremes = _with_levels(file, parts, "extremes", intervals, width)
+    integrals = _checked(file, parts.pop("integrals", []), 2 * len(header.powers), "integrals")
+    if parts:
+        raise damaged(f"it holds '{next(iter(parts))}', which is not known")
+    return signals, integrals, extremes
+
+
+def _with_levels(
+    file: FileName, parts: dict[str, list[Member]], base: str, series: FileSeries, width: int
+) -> FileSeries:
+    """Rows or intervals of so many signals with the levels of their overviews, which are taken from the parts."""
     levels: list[FileSeries] = []
-    below = _checked(file, stored, width, "signals")
-    while (name := f"signals.{len(levels) + 1}") in parts:
+    below = series
+    while (name := f"{base}.{len(levels) + 1}") in parts:
         level = _checked(file, parts.pop(name), 2 * width, name)
         if len(level) > len(below) // GROUP:
             raise damaged(f"'{name}' has more groups than there are")
         levels.append(level)
         below = level
-    integrals = _checked(file, parts.pop("integrals", []), 2 * len(header.powers), "integrals")
-    if parts:
-        raise damaged(f"it holds '{next(iter(parts))}', which is not known")
-    return FileSeries(file, tuple(stored), width, tuple(levels)), integrals
+    return replace(series, levels=tuple(levels))
 
 
 def _checked(file: FileName, members: Sequence[Member], width: int, name: str) -> FileSeries:

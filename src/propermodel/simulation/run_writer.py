@@ -2,7 +2,9 @@
 
 Its parts are members of an archive: `header`, what is known at the start; `signals/0`, `signals/1`, ... and
 `integrals/0`, ..., matrices whose first column is the time; `signals.1/0`, ..., the levels of overviews; `progress/0`,
-..., how far the run has come, with the events since the one before. What stands before a `progress` belongs together.
+..., how far the run has come, with the events since the one before. Where extremes are kept, `extremes/0`, ... hold the
+beginnings of the intervals between rows, and the least and then the greatest value of every signal; the levels of
+overviews are then made of these, `extremes.1/0`, .... What stands before a `progress` belongs together.
 Full matrices are written as they come, and all rows every two seconds, so what a killed process leaves is nearly all.
 """
 
@@ -33,15 +35,25 @@ class RunWriter:
         OSError: something cannot be written.
     """
 
-    def __init__(self, stream: BinaryIO, header: Header, columns: int, *, is_packed: bool = False) -> None:
+    def __init__(
+        self, stream: BinaryIO, header: Header, columns: int, *, has_extremes: bool = False, is_packed: bool = False
+    ) -> None:
         self._archive = ArchiveWriter(stream, is_packed=is_packed)
         self._sinks: list[_FileRows] = []
         rows = self._open("signals", columns)
-        pyramid = Pyramid(columns, lambda number, width: self._open(f"signals.{number}", width))
-        self.signals: Sink = _WithOverview(rows, pyramid)
         integrals = self._open("integrals", 2 * len(header.powers))
         self.integrals: Sink = integrals
-        self._series = (rows, integrals)
+        self._series = [rows, integrals]
+        self.signals: Sink = rows
+        self.extremes: Sink | None = None
+        base = "extremes" if has_extremes else "signals"
+        pyramid = Pyramid(columns, lambda number, width: self._open(f"{base}.{number}", width))
+        if has_extremes:
+            extremes = self._open(base, 2 * columns)
+            self._series.append(extremes)
+            self.extremes = _IntervalsWithOverview(extremes, pyramid, columns)
+        else:
+            self.signals = _WithOverview(rows, pyramid)
         self._has_news = False  # rows that no report follows
         self._reports = 0
         self._reported_at = time.perf_counter()
@@ -127,4 +139,18 @@ class _WithOverview:
     def add(self, times: FloatArray, rows: FloatArray) -> None:
         """Take over some rows."""
         self._rows.add(times, rows)
-        self._pyramid.add(times, rows)
+        self._pyramid.add(times, rows, rows)
+
+
+class _IntervalsWithOverview:
+    """Intervals that go into a file and into overviews."""
+
+    def __init__(self, rows: _FileRows, pyramid: Pyramid, columns: int) -> None:
+        self._rows = rows
+        self._pyramid = pyramid
+        self._columns = columns
+
+    def add(self, times: FloatArray, rows: FloatArray) -> None:
+        """Take over some intervals."""
+        self._rows.add(times, rows)
+        self._pyramid.add(times, rows[:, : self._columns], rows[:, self._columns :])

@@ -56,6 +56,8 @@ _OF_A_LANE = (
     "lower",
     "upper",
     "size",
+    "least",
+    "greatest",
 )
 
 

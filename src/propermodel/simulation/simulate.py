@@ -71,6 +71,7 @@ def simulate(
     record: Iterable[Expr | Path | str] | None = None,
     record_every: float = 0.1,
     record_to: FileName | None = None,
+    record_extremes: bool = False,
     integrals_every: float = 1.0,
     progress: Callable[[Progress], None] | None = None,
     continued_from: Trajectory | None = None,
@@ -94,6 +95,9 @@ def simulate(
         record_to: A file, by convention ending in `.npz`, to which rows go as they are made, so that memory stays
             bounded however long the run is; it can be opened with `load_trajectory` also while the run goes on, and
             after its process was killed. A file that is there is replaced. Without it rows are kept in memory.
+        record_extremes: Whether the least and greatest values of every recorded observable between two rows are kept,
+            too, so that no peak is lost at a coarse rate: `run.extremes(observable)`. They are looked for after every
+            step, which evaluates all observables there, and take twice the room of the rows.
         integrals_every: Period at which the integrals of power are kept, s; they are made at every step.
         progress: Called about ten times a second.
         continued_from: A run of the same model to go on from; `scenario.stop` is the new end.
@@ -150,6 +154,7 @@ def simulate(
         row_period=record_every,
         integral_period=integrals_every,
         selected=selected,
+        has_extremes=record_extremes,
         most_rows=2000,
         most_ticks=200,
         jacobian_every=jacobian_every,
@@ -161,11 +166,24 @@ def simulate(
     taken = replace(stepping, step=longest)
     with ExitStack() as files:
         store = (
-            MemoryStore(scenario.stop - memory.time, record_every, len(selected), integrals_every, powers)
+            MemoryStore(
+                scenario.stop - memory.time,
+                record_every,
+                len(selected),
+                integrals_every,
+                powers,
+                has_extremes=record_extremes,
+            )
             if record_to is None
-            else FileStore(record_to, header_of(compiled, scenario, selected, notes, taken), len(selected), files)
+            else FileStore(
+                record_to,
+                header_of(compiled, scenario, selected, notes, taken),
+                len(selected),
+                files,
+                has_extremes=record_extremes,
+            )
         )
-        recording = Recording(store, selected, memory.copy())
+        recording = Recording(store, selected, memory)
         events = Events(run_model, machine, longest, recording.keep_signals, earlier, is_stopping=until is not None)
 
         def stand() -> StoredProgress:
@@ -191,6 +209,7 @@ def simulate(
         signals=recorded.signals,
         recorded={int(entry): column for column, entry in enumerate(selected)},
         power_integrals=recorded.integrals,
+        intervals=recorded.extremes,
         start_signals=start_signals,
         final_signals=machine.observe(memory) if recording.is_stopped else _final_signals(machine, memory, outcome),
         memory=memory if until is None else drop_guard(memory),
@@ -305,7 +324,8 @@ def _continue(compiled: CompiledModel, scenario: Scenario, earlier: Trajectory) 
             "a run can only be continued with the compiled model that began it",
             help="pass the compiled model of the earlier run: simulate(earlier.compiled, ...)",
         )
-    memory = earlier.memory.copy()
+    # Extremes between rows begin anew, as what is recorded may be another.
+    memory = replace(earlier.memory.copy(), least=np.zeros(0), greatest=np.zeros(0))
     if not scenario.stop > memory.time:
         raise SimulationError.of(
             "simulation/window",

@@ -17,7 +17,7 @@ from propermodel.modelling.limits import LIMITS, Limits
 from propermodel.modelling.model import Model, Scenario
 from propermodel.simulation.export import frames, to_csv, to_pandas, to_xarray
 from propermodel.simulation.observables import observable_path
-from propermodel.simulation.overview import Overview, make_overview
+from propermodel.simulation.overview import Overview, extremes_of, make_overview, overview_of_intervals
 from propermodel.simulation.run_file import read_run
 from propermodel.simulation.run_writer import RunWriter
 from propermodel.simulation.series import ArraySeries, Series
@@ -52,6 +52,7 @@ class StoredTrajectory:
     outside_tables: tuple[TableUse, ...]
     signals: Series
     power_integrals: Series
+    intervals: Series | None  # between rows, with the least and then the greatest values; none if not recorded
     _entries: Mapping[Path, int]
     _width: int
     _powers: Mapping[Path, int]
@@ -105,7 +106,25 @@ class StoredTrajectory:
         path = observable_path(observable)
         if path.name == "power" and path not in self._entries:
             return make_overview(ArraySeries(self.time, self[path][:, np.newaxis]), 0, 1, start, stop, points)
+        if self.intervals is not None:
+            return overview_of_intervals(self.intervals, self.column_of(path), self._width, start, stop, points)
         return make_overview(self.signals, self.column_of(path), self._width, start, stop, points)
+
+    def extremes(self, observable: Expr | Path | str) -> Overview:
+        """The least and greatest value of a column after any step between two rows, as in the run.
+
+        Raises:
+            DocumentError: the file holds no such column, or no extremes.
+        """
+        path = observable_path(observable)
+        column = self.column_of(path)
+        if self.intervals is None:
+            raise DocumentError.of(
+                "document/column",
+                f"the file holds no extremes of '{path}' between rows",
+                help="ask for them when the run is made: simulate(..., record_extremes=True)",
+            )
+        return extremes_of(self.intervals, column, self._width)
 
     def unit(self, observable: Expr | Path | str) -> str:
         """The unit of a stored observable."""
@@ -183,11 +202,16 @@ def save_trajectory(
     )
     partial = partial_file(file)
     with partial.open("wb") as stream:
-        store = RunWriter(stream, header, len(kept), is_packed=True)
+        intervals = trajectory.intervals
+        store = RunWriter(stream, header, len(kept), has_extremes=intervals is not None, is_packed=True)
         for times, rows in trajectory.signals.pieces():
             store.signals.add(times, rows[:, kept])
         for times, rows in trajectory.power_integrals.pieces():
             store.integrals.add(times, rows)
+        if intervals is not None and store.extremes is not None:
+            pairs = [*kept, *(len(trajectory.recorded) + column for column in kept)]
+            for times, rows in intervals.pieces():
+                store.extremes.add(times, rows[:, pairs])
         store.finish(progress)
     partial.replace(file)
 
@@ -226,6 +250,7 @@ def load_trajectory(file: FileName, *, limits: Limits = LIMITS) -> StoredTraject
         outside_tables=progress.outside_tables,
         signals=run.signals,
         power_integrals=run.integrals,
+        intervals=run.extremes,
         _entries={path: column for path, _, column in header.columns},
         _width=run.signals.width,
         _powers={path: index for index, (kind, path) in enumerate(header.powers) if kind != "outside"},

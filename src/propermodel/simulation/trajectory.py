@@ -20,7 +20,7 @@ from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.export import to_csv, to_pandas, to_xarray
 from propermodel.simulation.observables import observable_path
-from propermodel.simulation.overview import Overview, make_overview
+from propermodel.simulation.overview import Overview, extremes_of, make_overview, overview_of_intervals
 from propermodel.simulation.series import ArraySeries, Series
 from propermodel.simulation.stepping import Stepping
 
@@ -102,6 +102,7 @@ class Trajectory:
     signals: Series  # recorded entries over time
     recorded: Mapping[int, int]  # entry of the program's signals: column
     power_integrals: Series  # of power and then of its absolute value, over `integral_times`
+    intervals: Series | None  # between rows, with the least and then the greatest values; none if not asked for
     start_signals: FloatArray
     final_signals: FloatArray
     memory: Memory
@@ -174,7 +175,27 @@ class Trajectory:
             made = ArraySeries(self.time, self[path][:, np.newaxis])
             return make_overview(made, 0, 1, start, stop, points)
         width = len(self.recorded)
+        if self.intervals is not None:
+            return overview_of_intervals(self.intervals, self.column_of(path), width, start, stop, points)
         return make_overview(self.signals, self.column_of(path), width, start, stop, points)
+
+    def extremes(self, observable: Expr | Path | str) -> Overview:
+        """The least and greatest value of a recorded column after any step between two rows, these included.
+
+        The last interval ends with the run. Integrated and multiplied columns (`activity`, `work`, `power`) have none.
+
+        Raises:
+            SimulationError: the model has no such observable, or its extremes were not recorded.
+        """
+        path = observable_path(observable)
+        column = self.column_of(path)
+        if self.intervals is None:
+            raise SimulationError.of(
+                "simulation/not-recorded",
+                f"the extremes of '{path}' between rows were not recorded in this run",
+                help="ask for them: simulate(..., record_extremes=True)",
+            )
+        return extremes_of(self.intervals, column, len(self.recorded))
 
     def column_of(self, path: Path) -> int:
         """The column of `signals` that holds an observable.
