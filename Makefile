@@ -3,6 +3,7 @@
 #   make demo    a worked example, results in out/demo
 #   make check   style, types, direction of imports
 #   make test    the tests
+#   make test-browser  the front end: types, tests, and whether the committed build is its own (needs Node)
 #   make docs    the documentation, in docs/_build/html
 #   make bench   the measurements of docs/performance.md, which takes about an hour
 #   make setup   only the virtual environment
@@ -20,10 +21,10 @@ STAMP := $(VENV)/installed
 SOURCES := src tests $(wildcard benchmarks examples) $(wildcard docs/*.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup check test docs demo bench clean
+.PHONY: help setup check test test-browser docs demo bench clean
 
 help:
-	@echo "targets: setup check test docs demo bench clean"
+	@echo "targets: setup check test test-browser docs demo bench clean"
 
 setup: $(STAMP)
 
@@ -44,6 +45,11 @@ check: $(STAMP)
 
 test: $(STAMP)
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
+
+# Users need no Node: what is built is committed, and must be what its sources give.
+test-browser:
+	cd web && npm ci --no-audit --no-fund && npm run check && npm run test && npm run build
+	git diff --exit-code --stat -- src/propermodel/drawing/assets
 
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html

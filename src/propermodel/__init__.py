@@ -105,6 +105,9 @@ if TYPE_CHECKING:
     from propermodel.analysis.transfer import TransferFunction
     from propermodel.causality.report import CausalReport, explain_causality
     from propermodel.compiler import Backend, CompiledModel, Method, compile_model
+    from propermodel.drawing.depict import depict
+    from propermodel.drawing.picture import Picture
+    from propermodel.drawing.svg import to_svg
     from propermodel.equations.matrices import SymbolicMatrices, symbolic_matrices
     from propermodel.equations.readable import ReadableEquations, state_equations
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
@@ -152,6 +155,9 @@ _WHEN_USED = {
     "TransferFunction": "analysis.transfer",
     "compare": "analysis.comparison",
     "compile_model": "compiler",
+    "depict": "drawing.depict",
+    "to_svg": "drawing.svg",
+    "Picture": "drawing.picture",
     "energy_balance": "analysis.balance",
     "explain_causality": "causality.report",
     "find_equilibrium": "simulation.equilibrium",
@@ -326,6 +332,10 @@ __all__ = [
     "run_study",
     "StudyOptions",
     "ReductionStudy",
+    # pictures
+    "depict",
+    "Picture",
+    "to_svg",
 ]
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from tests.faults import (
     document_cases,
+    drawing_cases,
     linear_cases,
     mechanism_cases,
     model_cases,
@@ -22,6 +23,7 @@ CASES = (
     *structure_cases.CASES,
     *simulation_cases.CASES,
     *document_cases.CASES,
+    *drawing_cases.CASES,
     *linear_cases.CASES,
     *mechanism_cases.CASES,
     *vector_port_cases.CASES,

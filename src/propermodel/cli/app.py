@@ -9,6 +9,7 @@ import typer
 from propermodel.cli.cache import cache
 from propermodel.cli.check import check
 from propermodel.cli.demo import demo
+from propermodel.cli.draw import draw
 from propermodel.cli.faults import Commands
 from propermodel.cli.linearise import linearise
 from propermodel.cli.rank import rank
@@ -43,6 +44,7 @@ app.command()(rank)
 app.command()(linearise)
 app.command()(sensitivities)
 app.command()(show)
+app.command()(draw)
 app.command()(check)
 app.command()(demo)
 app.command()(cache)

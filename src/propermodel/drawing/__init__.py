@@ -1,0 +1,1 @@
+"""Drawn bond graphs: a picture document of a model, and its drawing as SVG."""
