@@ -115,6 +115,7 @@ if TYPE_CHECKING:
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.reduction.prediction import PredictedError, Prediction, predict_errors
     from propermodel.reduction.search import find_proper_model
+    from propermodel.reduction.singular import SingularRemovals, explain_removals
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
     from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
@@ -147,6 +148,7 @@ _WHEN_USED = {
     "Prediction": "reduction.prediction",
     "ReductionStudy": "report.study",
     "Sensitivities": "analysis.sensitivities",
+    "SingularRemovals": "reduction.singular",
     "StudyOptions": "report.study",
     "SymbolicMatrices": "equations.matrices",
     "TimeResponse": "analysis.responses",
@@ -159,6 +161,7 @@ _WHEN_USED = {
     "to_svg": "drawing.svg",
     "Picture": "drawing.picture",
     "energy_balance": "analysis.balance",
+    "explain_removals": "reduction.singular",
     "explain_causality": "causality.report",
     "find_equilibrium": "simulation.equilibrium",
     "StepLimit": "simulation.stability",
@@ -319,6 +322,8 @@ __all__ = [
     "Candidate",
     "plan_reduction",
     "Reduction",
+    "explain_removals",
+    "SingularRemovals",
     "Removal",
     "ZeroEffort",
     "ZeroFlow",

@@ -263,7 +263,7 @@ def incomplete_study() -> object:
     return run_study(quarter().model, changed(STEP, stop=2000.0), StudyOptions(step=0.5, method=pm.Method.EULER))
 
 
-def planned(**options: object) -> object:
+def planned(**options: object) -> pm.Reduction:
     ranking = rank_activity(run())
     return plan_reduction(quarter(), run(), ranking, **options)  # pyright: ignore[reportArgumentType]
 
@@ -503,6 +503,12 @@ CASES = (
         run=lambda: planned(protected=["body.flange.flw"]),
         names=("body.flange.flw",),
         cure="did you mean 'body.flange.flow'?",
+    ),
+    Case(
+        code="reduction/unknown-row",
+        run=lambda: planned().explain("bodi"),
+        names=("bodi",),
+        cure="did you mean 'body'?",
     ),
     Case(code="reduction/prediction", run=infinite_slope, names=("throttle",), cure="by simulation"),
     Case(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from propermodel.library.mechanics.rotation import Gear, RotatingInertia, RotationalSpringDamper, ViscousFriction
-from propermodel.library.mechanics.translation import Fixed, Mass, SpringDamper
+from propermodel.library.mechanics.translation import Damper, Fixed, Mass, Spring, SpringDamper
 from propermodel.modelling import Component, connect
 from tests.parts import Capacitor, Coil, Ground, Resistor, Voltage
-from tests.physics.systems import Drive, Shaking, system
+from tests.physics.systems import Drive, Push, Shaking, system
 
 
 def quarter_car(velocity: float = 0.3, frequency: float = 2.0) -> Component:
@@ -88,4 +88,32 @@ def two_masses(*between: Component) -> Component:
         wall=wall,
         holder=holder,
         **parts,
+    )
+
+
+def preloaded() -> Component:
+    """A heavy body stands on a stiff spring, while a small shaker works hard next to it."""
+    weight = Push(force=-9810.0)
+    body = Mass(mass=1000.0)
+    spring = Spring(stiffness=1e6, start_compression=-9.81e-3)
+    ground = Fixed()
+    damper = Damper(damping=1e4)
+    shaker = Shaking(velocity=3.0, frequency=3.0)
+    link = Spring(stiffness=500.0)
+    small = Mass(mass=1.0)
+    brake = Damper(damping=10.0)
+    return system(
+        connect(weight.flange, body.flange, spring.a, damper.a, brake.b),
+        connect(spring.b, damper.b, ground.flange),
+        connect(shaker.flange, link.a),
+        connect(link.b, small.flange, brake.a),
+        weight=weight,
+        body=body,
+        spring=spring,
+        ground=ground,
+        damper=damper,
+        shaker=shaker,
+        link=link,
+        small=small,
+        brake=brake,
     )

@@ -35,8 +35,8 @@ from propermodel.modelling.model import Removal, Variable
 from propermodel.reduction.plan import Reduction, Verdict, plan_reduction
 from propermodel.simulation.trajectory import Trajectory
 from tests.parts import Line, Pipe, Tank
-from tests.physics.systems import Push, Shaking, close, compiled, run, state_matrix, system
-from tests.reduction.rigs import driveline, quarter_car
+from tests.physics.systems import Shaking, close, compiled, run, state_matrix, system
+from tests.reduction.rigs import driveline, preloaded, quarter_car
 
 
 def planned(
@@ -100,34 +100,6 @@ def test_a_protected_output_keeps_its_element():
 def test_an_unknown_protected_output_is_refused():
     with pytest.raises(ReductionError, match=r"the protected output 'body\.flange\.speed' does not exist"):
         planned(quarter_car(), 0.1, protected=["body.flange.speed"])
-
-
-def preloaded() -> Component:
-    """A heavy body stands on a stiff spring, while a small shaker works hard next to it."""
-    weight = Push(force=-9810.0)
-    body = Mass(mass=1000.0)
-    spring = Spring(stiffness=1e6, start_compression=-9.81e-3)
-    ground = Fixed()
-    damper = Damper(damping=1e4)
-    shaker = Shaking(velocity=3.0, frequency=3.0)
-    link = Spring(stiffness=500.0)
-    small = Mass(mass=1.0)
-    brake = Damper(damping=10.0)
-    return system(
-        connect(weight.flange, body.flange, spring.a, damper.a, brake.b),
-        connect(spring.b, damper.b, ground.flange),
-        connect(shaker.flange, link.a),
-        connect(link.b, small.flange, brake.a),
-        weight=weight,
-        body=body,
-        spring=spring,
-        ground=ground,
-        damper=damper,
-        shaker=shaker,
-        link=link,
-        small=small,
-        brake=brake,
-    )
 
 
 def test_a_preload_is_not_dropped_although_it_does_no_work():

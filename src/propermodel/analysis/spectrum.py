@@ -74,7 +74,9 @@ def balanced(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The matrix in states of comparable sizes z, and the factors f of x = f z."""
     if not len(matrix):
         return matrix, np.zeros(0)
-    scaled: Any = matrix_balance(matrix, permute=False, separate=True)
+    # Large factors do not fit into the permutation that SciPy derives from them, and that is not asked for.
+    with np.errstate(invalid="ignore"):
+        scaled: Any = matrix_balance(matrix, permute=False, separate=True)
     return scaled[0], scaled[1][0]
 
 

@@ -41,6 +41,14 @@ class Group:
     removals: tuple[Removal, ...]
     meaning: str
 
+    @property
+    def explanation(self) -> str:
+        """Who belongs to it, and what the rest feels of each bond at its boundary."""
+        names = ", ".join(map(str, self.rows))
+        edges = "; ".join(f"{b.share:.2%} at {b.outside} ({b.bond})" for b in self.boundary)
+        felt = f"the rest feels of it, as shares of the greatest activity, {edges}" if edges else "nothing holds it"
+        return f"group of {names}: {felt}"
+
     def proposal(self, rows: tuple[ActivityRow, ...]) -> Proposal:
         """The group as one proposal."""
         worst = max(self.boundary, key=lambda b: b.share, default=None)

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from propermodel.analysis.activity import ActivityRanking, ActivityRow
-from propermodel.compiler import CompiledModel, compile_quietly
-from propermodel.diagnostics import Path, ProperModelError, ReductionError, one_of
-from propermodel.expressions.core import Expr, SymbolKind, leaves
+from propermodel.compiler import CompiledModel
+from propermodel.diagnostics import Path, ReductionError, one_of
+from propermodel.expressions.core import Expr, leaves
 from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
-from propermodel.reduction.freezing import OBSERVED, signals_to_freeze
+from propermodel.reduction.freezing import OBSERVED
 from propermodel.reduction.groups import Group, GroupRules, find_groups
-from propermodel.reduction.single import Proposal, propose, propose_constant
-from propermodel.reduction.together import too_much_together
+from propermodel.reduction.judging import Judge, Rules, removals_of
+from propermodel.reduction.lost_modes import ModeWatch, told
+from propermodel.reduction.single import PRELOAD_SHARE, Proposal, Refusal, propose, propose_constant
+from propermodel.reduction.singular import Twin
+from propermodel.reduction.ways import Way, ways_of
 from propermodel.simulation.observables import observable_path
 from propermodel.simulation.trajectory import Trajectory
 
@@ -32,7 +37,7 @@ class Verdict(StrEnum):
 class Decision:
     """The verdict on one row, with the removals made for it and the reason in words and numbers.
 
-    `meaning` says what replaces a row that goes; it is empty for one that stays.
+    `meaning` says what replaces a row that goes; it is empty for one that stays. `ways` are all its replacements.
     """
 
     row: ActivityRow
@@ -40,6 +45,9 @@ class Decision:
     removals: tuple[Removal, ...]
     meaning: str
     reason: str
+    ways: tuple[Way, ...] = ()
+    cause: Refusal | None = None  # of a refusal
+    twins: tuple[Twin, ...] = ()  # what would leave equations, where the replacement that was tried does not
 
     @property
     def explanation(self) -> str:
@@ -76,6 +84,35 @@ class Reduction:
         """The share of activity of the rows that stay."""
         return sum(d.row.index for d in self.kept)
 
+    def explain(self, row: Path | str) -> str:
+        """Why a row goes or stays, with the numbers of all its replacements.
+
+        Raises:
+            ReductionError: there is no such row.
+        """
+        path = observable_path(row)
+        decision = next((d for d in self.decisions if d.row.path == path), None)
+        if decision is None:
+            raise ReductionError.of(
+                "reduction/unknown-row",
+                f"the plan has no row '{path}'",
+                help=one_of(str(path), (str(d.row.path) for d in self.decisions)),
+            )
+        cause = f" ({decision.cause})" if decision.cause is not None else ""
+        lines = [f"{path}, {decision.row.index:.3%} of the activity: {decision.verdict}{cause}", decision.explanation]
+        width = max((len(way.meaning) for way in decision.ways), default=0)
+        place = max((len(str(way.removal.bond)) for way in decision.ways), default=0)
+        lines.extend(
+            f"  {way.removal.bond!s:<{place}}  {way.meaning:<{width}}  {way.judged(self.tolerance, PRELOAD_SHARE)}"
+            for way in decision.ways
+        )
+        if decision.twins:
+            lines.append(f"regular would be {' or '.join(map(str, decision.twins))}")
+        group = next((g for g in self.groups if path in g.rows), None)
+        if group is not None:
+            lines.append(group.explanation)
+        return "\n".join(lines)
+
     def __str__(self) -> str:
         head = (
             f"threshold {self.threshold:.1%} keeps {self.kept_by_threshold} of {len(self.decisions)} rows; "
@@ -93,22 +130,6 @@ class Reduction:
         lines.extend(f"  {freeze.signal} frozen at {freeze.value:.6g}" for freeze in self.frozen)
         lines.extend(f"  note: {note}" for note in self.notes)
         return "\n".join(lines)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rules:
-    """How a plan is made.
-
-    `tolerance` is the largest share of its junction's greatest activity that a neglected term may have. With
-    `drop_driven` a group goes also when some of its rows are above the threshold, provided that it acts back on
-    nothing beyond the tolerance and no protected output lies in it: it is a driven part (Rideout, Stein and Louca
-    2007).
-    """
-
-    threshold: float = 0.99
-    tolerance: float = 0.1
-    drop_driven: bool = True
-    protected: tuple[Path, ...] = field(default=())
 
 
 def plan_reduction(
@@ -155,10 +176,12 @@ def plan_reduction(
             )
     keep = {row.path for row in ranking.kept_by(threshold)}
     evidence = RunEvidence.of(compiled, trajectory)
+    modes = ModeWatch(trajectory)
     candidates = [row for row in ranking.rows if row.path not in keep]
     proposals, groups = _propose(evidence, ranking, candidates, keep, rules)
-    accepted, refused = _verify(compiled, evidence, proposals, keep, rules)
-    return _assemble(ranking, keep, rules, accepted, refused, groups, compiled, evidence)
+    judge = Judge(compiled, evidence, modes, keep, rules)
+    accepted, refused = judge.verify(proposals)
+    return _assemble(ranking, judge, accepted, refused, groups)
 
 
 def _propose(
@@ -224,95 +247,33 @@ def _inside(evidence: RunEvidence, port: Path) -> tuple[Path, ...]:
     return node.inside if node is not None else ()
 
 
-def _verify(
-    compiled: CompiledModel, evidence: RunEvidence, proposals: list[Proposal], keep: set[Path], rules: Rules
-) -> tuple[list[Proposal], list[Proposal]]:
-    """Accept the proposals that leave a model with equations; all at once where possible, otherwise one by one."""
-    refused = [p for p in proposals if not p.removals]
-    open_proposals = [p for p in proposals if p.removals]
-    while (found := too_much_together(evidence, open_proposals, rules.tolerance)) is not None:
-        proposal, why = found
-        open_proposals.remove(proposal)
-        refused.append(proposal.refused(why))
-    if _fault(compiled, evidence, open_proposals, keep, rules) is None:
-        return open_proposals, refused
-    accepted: list[Proposal] = []
-    for proposal in open_proposals:
-        fault = _fault(compiled, evidence, [*accepted, proposal], keep, rules)
-        if fault is None:
-            accepted.append(proposal)
-        else:
-            refused.append(proposal.refused(fault))
-    return accepted, refused
-
-
-def _fault(
-    compiled: CompiledModel, evidence: RunEvidence, proposals: list[Proposal], keep: set[Path], rules: Rules
-) -> str | None:
-    """Why these removals together are impossible, or None."""
-    try:
-        _, reduced = _reduce(compiled, evidence, proposals)
-    except ProperModelError as error:
-        return f"without it the equations have no solution: {error.diagnostics[0].message}"
-    dropped = {path for p in proposals for path in p.rows}
-    rows = {row.path for row in reduced.system.rows}
-    idle = sorted(str(path) for path in keep - rows - dropped)
-    if idle:
-        return f"{', '.join(idle)} would have nothing left to act on"
-    lost = [
-        str(path)
-        for path in rules.protected
-        if path not in reduced.lowered.observables or (_moves(compiled, path) and not _moves(reduced, path))
-    ]
-    if lost:
-        return f"the protected output {', '.join(lost)} would not exist or would never change"
-    return None
-
-
-def _moves(compiled: CompiledModel, path: Path) -> bool:
-    """Whether an observable can change in a run: it depends on a state, a held value, an input or time."""
-    value = next((value for leaf, value in compiled.system.values.items() if leaf.data.path == path), None)
-    return value is None or any(leaf.data.kind is not SymbolKind.PARAMETER for leaf in leaves(value))
-
-
-def _reduce(
-    compiled: CompiledModel, evidence: RunEvidence, proposals: list[Proposal]
-) -> tuple[tuple[Freeze, ...], CompiledModel]:
-    removals = tuple(dict.fromkeys(r for p in proposals for r in p.removals))
-    frozen = signals_to_freeze(evidence, removals)
-    return frozen, compile_quietly(compiled.model.without((*removals, *frozen)))
-
-
 def _assemble(
     ranking: ActivityRanking,
-    keep: set[Path],
-    rules: Rules,
+    judge: Judge,
     accepted: list[Proposal],
     refused: list[Proposal],
     groups: tuple[Group, ...],
-    compiled: CompiledModel,
-    evidence: RunEvidence,
 ) -> Reduction:
-    removals = tuple(dict.fromkeys(r for p in accepted for r in p.removals))
-    frozen, reduced = _reduce(compiled, evidence, accepted)
+    rules, removals = judge.rules, removals_of(accepted)
+    frozen, reduced = judge.reduce(accepted)
     going = {path: p for p in accepted for path in p.rows}
     staying = {path: p for p in refused for path in p.rows}
     left = {row.path for row in reduced.system.rows}
     decisions: list[Decision] = []
     for row in ranking.rows:
+        ways = ways_of(judge.evidence, row)
         if row.path in going:
             p = going[row.path]
-            decisions.append(Decision(row, Verdict.REMOVED, p.removals, p.meaning, p.reason))
-        elif row.path in staying and row.path not in keep:
+            decisions.append(Decision(row, Verdict.REMOVED, p.removals, p.meaning, p.reason, ways))
+        elif row.path in staying and row.path not in judge.keep:
             p = staying[row.path]
-            decisions.append(Decision(row, Verdict.REFUSED, (), p.meaning, p.reason))
+            decisions.append(Decision(row, Verdict.REFUSED, (), p.meaning, p.reason, ways, p.cause, p.twins))
         elif row.path not in left:
-            decisions.append(
-                Decision(row, Verdict.REMOVED, (), "idle", "the other removals leave it nothing to act on")
-            )
+            reason = "the other removals leave it nothing to act on"
+            decisions.append(Decision(row, Verdict.REMOVED, (), "idle", reason, ways))
         else:
-            decisions.append(Decision(row, Verdict.KEPT, (), "", f"above the threshold of {rules.threshold:.1%}"))
-    used = {p.meaning for p in accepted}
+            reason = f"above the threshold of {rules.threshold:.1%}"
+            decisions.append(Decision(row, Verdict.KEPT, (), "", reason, ways))
     return Reduction(
         threshold=rules.threshold,
         tolerance=rules.tolerance,
@@ -320,7 +281,21 @@ def _assemble(
         groups=tuple(g for g in groups if any(set(g.rows) & set(p.rows) for p in accepted)),
         frozen=frozen,
         removals=(*removals, *frozen),
-        kept_by_threshold=len(keep),
+        kept_by_threshold=len(judge.keep),
         protected=rules.protected,
-        notes=() if used else ("nothing can be removed at this threshold",),
+        notes=tuple(_notes(judge, accepted, frozen, reduced)),
     )
+
+
+def _notes(judge: Judge, accepted: list[Proposal], frozen: tuple[Freeze, ...], reduced: CompiledModel) -> Iterator[str]:
+    if not accepted:
+        yield "nothing can be removed at this threshold"
+        return
+    for freeze in frozen:
+        values = judge.evidence.trajectory[freeze.signal]
+        swing = float(np.max(np.abs(values - freeze.value)))
+        if swing > judge.rules.tolerance * abs(freeze.value):
+            yield f"{freeze.signal} is frozen at {freeze.value:.6g}; in the run it was up to {swing:.3g} away from that"
+    if judge.modes.problem:
+        yield judge.modes.problem
+    yield from told(judge.lost_modes(reduced))

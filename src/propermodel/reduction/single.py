@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 from propermodel.analysis.activity import ActivityRow
 from propermodel.bondgraph.graph import Bond
@@ -18,6 +19,7 @@ from propermodel.modelling.model import (
     ZeroFlow,
 )
 from propermodel.reduction.evidence import RunEvidence
+from propermodel.reduction.singular import Twin
 
 # A neglected term whose mean size is more than this share of its greatest peer is a preload, whatever its activity.
 PRELOAD_SHARE = 0.2
@@ -34,6 +36,21 @@ class Term:
     share: float
 
 
+class Refusal(StrEnum):
+    """Why a row below the threshold has to stay."""
+
+    PRELOAD = "static preload"
+    LARGE = "large among its peers"
+    FIELD = "field"  # it couples junctions that are not separate
+    ALONE = "no junction"  # there is no sum that it is a term of
+    TOGETHER = "too much together"
+    CONFLICT = "causal conflict"
+    FLAT_LAW = "flat law"  # what is left does not determine its variable along the run
+    ONLY_WAY = "unique load path"  # a row that stays would be idle
+    OUTPUT = "protected output"
+    STABILITY = "stability"
+
+
 @dataclass(frozen=True, slots=True)
 class Proposal:
     """Removals that belong together, for one row or a group; without removals and meaning it is a refusal."""
@@ -43,10 +60,13 @@ class Proposal:
     meaning: str
     reason: str
     terms: tuple[Term, ...] = ()
+    cause: Refusal | None = None
+    twins: tuple[Twin, ...] = ()
 
-    def refused(self, why: str) -> Proposal:
+    def refused(self, why: str, cause: Refusal, twins: tuple[Twin, ...] = ()) -> Proposal:
         """The same proposal, refused."""
-        return replace(self, removals=(), terms=(), meaning="", reason=f"{self.meaning} was tried, but {why}")
+        reason = f"{self.meaning} was tried, but {why}"
+        return replace(self, removals=(), terms=(), meaning="", reason=reason, cause=cause, twins=twins)
 
 
 def propose_constant(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal | None:
@@ -153,8 +173,8 @@ def _at_bond(evidence: RunEvidence, bond: Bond, tolerance: float) -> tuple[Remov
 def _refuse(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Proposal:
     if not _is_one_port_row(evidence, row):
         reason = "a field couples several junctions, and its group could not be separated from the rest"
-        return Proposal((row.path,), (), "", reason)
-    worst = ""
+        return Proposal((row.path,), (), "", reason, cause=Refusal.FIELD)
+    worst, cause = "", Refusal.ALONE
     for name, _ in row.ports:
         bond = evidence.structure.bonds[name]
         junction = _junction_of(bond)
@@ -163,13 +183,15 @@ def _refuse(evidence: RunEvidence, row: ActivityRow, tolerance: float) -> Propos
         kind = evidence.structure.junctions[junction].kind
         share, size = evidence.share(bond, junction), evidence.size_share(bond, junction)
         if share > tolerance:
+            cause = Refusal.LARGE
             worst = (
                 f"little of the whole, but its {kind.common.other} carries {share:.1%} of the greatest activity at "
                 f"{kind}-junction {junction}: it is not small among its peers (allowed {tolerance:.0%})"
             )
         elif size > PRELOAD_SHARE:
+            cause = Refusal.PRELOAD
             worst = (
                 f"its {kind.common.other} is on average {size:.0%} of the greatest at {kind}-junction {junction}: "
                 "a preload that does no work but must not be dropped"
             )
-    return Proposal((row.path,), (), "", worst or "no replacement is possible at its junction")
+    return Proposal((row.path,), (), "", worst or "no replacement is possible at its junction", cause=cause)

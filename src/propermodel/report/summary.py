@@ -144,6 +144,18 @@ def _element(decision: Decision) -> dict[str, Json]:
         "decision": decision.verdict.value,
         "removal": decision.meaning,
         "reason": decision.reason,
+        "cause": None if decision.cause is None else decision.cause.value,
+        "replacements": [
+            {
+                "bond": str(way.removal.bond),
+                "meaning": way.meaning,
+                "missing": way.missing,
+                "size": way.size,
+                "junction": None if way.junction is None else str(way.junction),
+            }
+            for way in decision.ways
+        ],
+        "regular_twins": [str(twin) for twin in decision.twins],
     }
 
 
