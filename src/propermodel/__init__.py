@@ -112,10 +112,15 @@ if TYPE_CHECKING:
     from propermodel.equations.readable import ReadableEquations, state_equations
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.candidates import Candidate, ProperModelSearch
+    from propermodel.reduction.certificate import Certificate
+    from propermodel.reduction.certificate_document import read_certificate, write_certificate
+    from propermodel.reduction.certify import CertifiedModel, certify
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.reduction.prediction import PredictedError, Prediction, predict_errors
     from propermodel.reduction.search import find_proper_model
     from propermodel.reduction.singular import SingularRemovals, explain_removals
+    from propermodel.reduction.verify import Verification, verify_certificate
+    from propermodel.report.certify import certify_study
     from propermodel.report.study import ReductionStudy, StudyOptions, run_study
     from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
@@ -130,6 +135,8 @@ _WHEN_USED = {
     "ActivityRanking": "analysis.activity",
     "Backend": "compiler",
     "CausalReport": "causality.report",
+    "Certificate": "reduction.certificate",
+    "CertifiedModel": "reduction.certify",
     "Comparison": "analysis.comparison",
     "CompiledModel": "compiler",
     "EnergyBalance": "analysis.balance",
@@ -155,6 +162,9 @@ _WHEN_USED = {
     "Tolerance": "analysis.tolerances",
     "Trajectory": "simulation.trajectory",
     "TransferFunction": "analysis.transfer",
+    "Verification": "reduction.verify",
+    "certify": "reduction.certify",
+    "certify_study": "report.certify",
     "compare": "analysis.comparison",
     "compile_model": "compiler",
     "depict": "drawing.depict",
@@ -172,6 +182,7 @@ _WHEN_USED = {
     "predict_errors": "reduction.prediction",
     "find_proper_model": "reduction.search",
     "rank_activity": "analysis.activity",
+    "read_certificate": "reduction.certificate_document",
     "read_model": "modelling.documents",
     "read_scenario": "modelling.documents",
     "run_study": "report.study",
@@ -183,6 +194,8 @@ _WHEN_USED = {
     "sensitivities": "analysis.sensitivities",
     "state_equations": "equations.readable",
     "symbolic_matrices": "equations.matrices",
+    "verify_certificate": "reduction.verify",
+    "write_certificate": "reduction.certificate_document",
     "write_model": "modelling.documents",
     "write_scenario": "modelling.documents",
 }
@@ -341,13 +354,22 @@ __all__ = [
     "depict",
     "Picture",
     "to_svg",
+    # certificates
+    "certify",
+    "certify_study",
+    "CertifiedModel",
+    "Certificate",
+    "write_certificate",
+    "read_certificate",
+    "verify_certificate",
+    "Verification",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """Names of the rooms that compile, run and reduce; and the version."""
     if name == "__version__":
-        from propermodel.report.versions import package_version
+        from propermodel.codegen.versions import package_version
 
         value: Any = package_version()
     elif name in _WHEN_USED:

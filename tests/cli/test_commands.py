@@ -99,6 +99,36 @@ def test_the_smallest_model_within_tolerances(tmp_path: Path):
     assert "rows  states" in succeed("reduce", MODEL, *options)
 
 
+def test_both_ways_to_reduce_write_a_certificate_that_holds(reduced: tuple[Path, str], tmp_path: Path):
+    assert "the certificate holds" in succeed("verify", reduced[0] / "certificate.json")
+    options = ["--tolerance", "body.flange.flow=5%", "--step", "0.001", "--until", "4", "--out", tmp_path]
+    assert "certificate.json" in succeed("reduce", MODEL, *options)
+    report = json.loads(succeed("verify", tmp_path / "certificate.json", "--json"))
+    assert report["holds"]
+    assert report["error_over_tolerance"] <= 1.0
+    scenario = tmp_path / "scenario.json"
+    assert succeed("verify", tmp_path / "certificate.json", "--model", MODEL, "--scenario", scenario)
+
+
+def test_a_certificate_that_does_not_hold_ends_with_1(reduced: tuple[Path, str], tmp_path: Path):
+    for file in reduced[0].glob("*.json"):
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    certificate = tmp_path / "certificate.json"
+    document = json.loads(certificate.read_text())
+    document["reduced"]["states"] -= 1
+    certificate.write_text(json.dumps(document))
+    done = invoke("verify", certificate)
+    assert done.exit_code == 1
+    assert "states of the reduced model" in done.stdout
+    assert "does NOT hold" in done.stdout
+    assert "not the file that was certified" in fail_after_change(tmp_path / "scenario.json", certificate)
+
+
+def fail_after_change(file: Path, certificate: Path) -> str:
+    file.write_text(file.read_text() + " ")
+    return fail(2, "verify", certificate)
+
+
 def test_tolerances_name_features(tmp_path: Path):
     options = ["--step", "0.001", "--until", "4", "--out", tmp_path, "--json"]
     given = ["--tolerance", "body.flange.flow=2%, largest:4%", "--tolerance", "body.flange.flow=peak-time:0.1"]

@@ -6,6 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
@@ -18,8 +19,9 @@ from propermodel.cli.app import app
 from propermodel.library.vehicle.mission import mission
 from propermodel.modelling.documents import to_document
 from propermodel.modelling.limits import LIMITS
+from propermodel.reduction.certify import make_certificate
 from tests.faults.case import Case
-from tests.faults.simulation_cases import quarter, run
+from tests.faults.simulation_cases import STEP, claimed, quarter, run
 
 HERE = Path(__file__).parent
 RIG = HERE.parent / "cli" / "quarter_car.py"
@@ -85,6 +87,16 @@ def unreadable_cache() -> str:
         return command("cache")()
 
 
+def changed_beside() -> object:
+    claim = claimed(step=1e-3)
+    short = replace(claim, conditions=(replace(claim.conditions[0], scenario=STEP),))
+    certified = make_certificate(short, short.pairs(), method="choice", removed=())
+    file = pm.write_certificate(certified, file_of("").parent)
+    beside = file.with_name("scenario.json")
+    beside.write_text(beside.read_text() + " ")
+    return pm.read_certificate(file)
+
+
 CASES = (
     Case(
         code="document/file",
@@ -94,6 +106,12 @@ CASES = (
     ),
     Case(code="document/size", run=too_large, names=("model.json", str(LIMITS.file_bytes)), cure="file_bytes"),
     Case(code="document/limit", run=lambda: read("[" * 100), names=("model.json", "line 1"), cure="depth"),
+    Case(
+        code="document/digest",
+        run=changed_beside,
+        names=("scenario.json", "SHA-256"),
+        cure="put the original file beside",
+    ),
     Case(
         code="document/archive",
         run=lambda: pm.load_trajectory(file_of("time,force", "run.npz")),

@@ -46,6 +46,8 @@ from propermodel import (
 from propermodel.library.electrical import ConstantVoltage, CoupledInductors, Ground, IdealDiode, Resistor
 from propermodel.library.mechanics.translation import ConstantVelocity
 from propermodel.modelling.model import Variable
+from propermodel.reduction.claim import Claim, Condition
+from propermodel.simulation.stepping import Stepping
 from tests.faults.case import Case
 from tests.parts import Fixed, Mass, SpringDamper
 
@@ -76,6 +78,25 @@ STEP = Scenario(name="step", stop=0.5, inputs={"road.flow": 0.1})  # pyright: ig
 @cache
 def quarter() -> CompiledModel:
     return compile_model(elaborate(Quarter()))
+
+
+def claimed(step: float) -> Claim:
+    """That a model is like itself."""
+    return Claim(
+        model=quarter().model,
+        removals=(),
+        conditions=(Condition(scenario=changed(STEP, stop=900.0), record_every=1.0, integrals_every=1.0),),
+        outputs=(),
+        tolerances={},
+        stepping=Stepping(pm.Method.EULER, step),
+    )
+
+
+def nothing_found() -> object:
+    search = pm.find_proper_model(
+        quarter().model, STEP, {"body.flange.flow": pm.Tolerance(largest=1e-9)}, step=1e-3, most_simulations=1
+    )
+    return pm.certify(search)
 
 
 @cache
@@ -522,6 +543,18 @@ CASES = (
         run=lambda: pm.find_proper_model(elaborate(Quarter()), STEP, {"body.flange.flow": 0.0}),
         names=("above zero",),
         cure="Tolerance(final=0.01)",
+    ),
+    Case(
+        code="reduction/nothing-found",
+        run=nothing_found,
+        names=("quarter",),
+        cure="certify(search, candidate)",
+    ),
+    Case(
+        code="reduction/incomplete",
+        run=lambda: claimed(step=0.3).pairs(),
+        names=("quarter", "step"),
+        cure="with the step",
     ),
     Case(
         code="reduction/undefined-feature",

@@ -17,6 +17,7 @@ from propermodel.cli.reduce import reduce
 from propermodel.cli.run import run
 from propermodel.cli.sensitivities import sensitivities
 from propermodel.cli.show import show
+from propermodel.cli.verify import verify
 from propermodel.cli.version import print_version
 
 app = typer.Typer(
@@ -39,6 +40,7 @@ def common(
 
 
 app.command()(reduce)
+app.command()(verify)
 app.command()(run)
 app.command()(rank)
 app.command()(linearise)

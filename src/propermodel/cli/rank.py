@@ -49,9 +49,9 @@ def rank(
     from propermodel.cli.tables import Screen, prediction_table, ranking_notes, ranking_table
     from propermodel.compiler import compile_model
     from propermodel.diagnostics import SimulationError, parse_path
+    from propermodel.modelling.removal_words import removal_text
     from propermodel.reduction.prediction import predict_errors
     from propermodel.report.study import StudyOptions, StudySoFar
-    from propermodel.report.summary import removal_text
 
     subject = configured(
         load_subject(model, scenario),

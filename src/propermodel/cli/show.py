@@ -107,7 +107,7 @@ def _tree(model: Model) -> Tree:
     from rich.tree import Tree
 
     from propermodel.cli.tables import plain
-    from propermodel.report.summary import removal_text
+    from propermodel.modelling.removal_words import removal_text
 
     root = Tree(plain(f"{model.name}  {model.root.definition.type_name}"))
     pending = [(root, model.root.definition)]

@@ -11,10 +11,10 @@ from rich.text import Text
 
 from propermodel.analysis.activity import ActivityRanking
 from propermodel.analysis.comparison import Comparison
+from propermodel.modelling.removal_words import removal_text
 from propermodel.reduction.plan import Reduction, Verdict
 from propermodel.reduction.prediction import Prediction
 from propermodel.report.study import ReductionStudy
-from propermodel.report.summary import removal_text
 
 PLAIN_WIDTH = 220
 _STYLES = {Verdict.KEPT: "", Verdict.REMOVED: "green", Verdict.REFUSED: "yellow"}

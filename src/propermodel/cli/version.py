@@ -9,7 +9,7 @@ def print_version(wanted: bool) -> None:
     """Print versions and leave."""
     if not wanted:
         return
-    from propermodel.report.versions import versions
+    from propermodel.codegen.versions import versions
 
     found = versions()
     typer.echo(f"propermodel {found['propermodel']}")

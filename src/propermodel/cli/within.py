@@ -26,6 +26,8 @@ def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *,
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
     from propermodel.modelling.documents import write_model
+    from propermodel.reduction.certificate_document import write_certificate
+    from propermodel.reduction.certify import certify
     from propermodel.reduction.search import find_proper_model
 
     compiled = compile_model(subject.model)
@@ -44,16 +46,24 @@ def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *,
     out.mkdir(parents=True, exist_ok=True)
     report = _report(found)
     (out / "search.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    write_model(found.reduced(), out / "reduced_model.json")
+    certified = None if found.recommended is None else certify(found)
+    if certified is None:
+        write_model(found.reduced(), out / "reduced_model.json")
+    else:
+        write_certificate(certified, out)
     if as_json:
         typer.echo(json.dumps(report, indent=2))
         return
     screen = Screen()
     screen.print(*str(found).splitlines(), "")
-    for name, meaning in (
+    files = [
         ("search.json", "every model that was tried, with its errors"),
         ("reduced_model.json", "the recommended model, to be run and reduced further"),
-    ):
+    ]
+    if certified is not None:
+        screen.print(*(f"warning: {warning}" for warning in certified.certificate.warnings))
+        files.append(("certificate.json", "what the recommended model rests on; propermodel verify repeats it"))
+    for name, meaning in files:
         screen.print(f"{(out / name).as_posix()}  {meaning}")
 
 
@@ -136,7 +146,7 @@ def _report(found: ProperModelSearch) -> dict[str, object]:
 
 
 def _candidate(candidate: Candidate) -> dict[str, object]:
-    from propermodel.report.summary import removal_text
+    from propermodel.modelling.removal_words import removal_text
 
     return {
         "rows_gone": [str(path) for path in candidate.rows],

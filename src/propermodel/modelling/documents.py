@@ -270,7 +270,7 @@ def _check_entries(given: dict[str, Json], entries: set[str], top: Place) -> Non
 
 def _write(document: dict[str, Json], path: FileName) -> None:
     partial = partial_file(path)
-    partial.write_text(_text(document), encoding="utf-8")
+    partial.write_text(_text(document), encoding="utf-8", newline="\n")
     partial.replace(path)
 
 

@@ -12,6 +12,9 @@ from propermodel.analysis.comparison import Comparison
 from propermodel.analysis.tolerances import Tolerance
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import Model, Removal
+from propermodel.reduction.claim import Condition
+from propermodel.reduction.prediction import PredictedRow
+from propermodel.simulation.stepping import Stepping
 
 MARGIN = 0.8  # of the tolerance: what a recommended model may use, as other scenarios cost more
 
@@ -61,6 +64,9 @@ class ProperModelSearch:
     candidates: tuple[Candidate, ...]  # in the order in which they were tried
     simulations: int
     notes: tuple[str, ...]
+    alone: tuple[PredictedRow, ...]  # what every row alone would change, on the first scenario
+    conditions: tuple[Condition, ...]  # under which all models were run
+    stepping: Stepping
 
     @property
     def best(self) -> Candidate | None:

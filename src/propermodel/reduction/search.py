@@ -94,4 +94,7 @@ def find_proper_model(
         candidates=tuple(search.tried.values()),
         simulations=search.simulations,
         notes=trials.predictions[0].notes,
+        alone=trials.predictions[0].rows(),
+        conditions=trials.conditions,
+        stepping=first.stepping,
     )

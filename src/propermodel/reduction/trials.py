@@ -13,6 +13,7 @@ from propermodel.compiler import CompiledModel, compile_quietly
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
 from propermodel.modelling.model import Removal, Scenario
 from propermodel.reduction.candidates import Candidate, Verdict
+from propermodel.reduction.claim import Condition
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
 from propermodel.reduction.prediction import Prediction, predict_errors
@@ -46,6 +47,18 @@ class Trials:
         self.predictions: tuple[Prediction, ...] = tuple(predict_errors(run, tolerances) for run in self.runs)
         self.proposals = Proposals(self.predictions, np.array([t.smallest for t in tolerances.values()]))
         self._evidence = RunEvidence.of(full, self.runs[0])
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """How every scenario is run."""
+        return tuple(
+            Condition(
+                scenario=scenario,
+                record_every=period_of(scenario, self._record_every),
+                integrals_every=scenario.stop - scenario.start,
+            )
+            for scenario in self.scenarios
+        )
 
     def try_out(self, choice: Choice, predicted: float) -> tuple[Candidate, int]:
         """Reformulate and simulate what a choice leaves; the candidate, and how many runs it took."""

@@ -8,6 +8,8 @@ from typing import Any
 
 from propermodel.diagnostics import Path, parse_path
 from propermodel.modelling.documents import write_model, write_scenario
+from propermodel.reduction.certificate_document import write_certificate
+from propermodel.report.certify import certify_study
 from propermodel.report.study import ReductionStudy, StudySoFar
 from propermodel.report.summary import write_outputs, write_ranking, write_summary
 from propermodel.simulation.storage import save_trajectory
@@ -31,9 +33,7 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
     write_ranking(study.reduction, folder / "ranking.csv")
     write_outputs(study, folder / "outputs.csv")
     figures = write_figures(study, folder)
-    write_model(study.full.compiled.model, folder / "full_model.json")
-    write_model(study.reduced.compiled.model, folder / "reduced_model.json")
-    write_scenario(study.full.scenario, folder / "scenario.json")
+    write_certificate(certify_study(study), folder)
     write_scenario(study.reduced.scenario, folder / "reduced_scenario.json")
     save_trajectory(study.full, folder / "full.npz", only=_worth_keeping(study, study.full))
     save_trajectory(study.reduced, folder / "reduced.npz", only=_worth_keeping(study, study.reduced))
@@ -42,6 +42,7 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
         WrittenFile("summary.json", "the numbers of the study"),
         WrittenFile("ranking.csv", "activity and decision of every element"),
         WrittenFile("outputs.csv", "outputs of both models over time"),
+        WrittenFile("certificate.json", "what the reduced model rests on; propermodel verify repeats it"),
         WrittenFile("full_model.json", "the full model"),
         WrittenFile("reduced_model.json", "the reduced model, to be run and reduced further"),
         WrittenFile("scenario.json", "the scenario of the full model"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from propermodel.analysis.activity import ActivityRanking, rank_activity
 from propermodel.analysis.balance import EnergyBalance, energy_balance
@@ -11,12 +11,12 @@ from propermodel.analysis.comparison import Comparison, compare
 from propermodel.compiler import CompiledModel, Method, compile_model, compile_quietly
 from propermodel.diagnostics import Diagnostic, Path, ProperModelError, SimulationError, one_of, parse_path
 from propermodel.modelling.model import ElementKind, Model, Scenario
+from propermodel.reduction.fitting import fitting_scenario
 from propermodel.reduction.plan import Reduction, plan_reduction
 from propermodel.report.panels import Panel
 from propermodel.report.speed import BestSteps, Speed, measure_best_steps, measure_speed
 from propermodel.simulation.choosing import AUTO, Choice
 from propermodel.simulation.simulate import Progress, simulate
-from propermodel.simulation.start import begin
 from propermodel.simulation.stepping import DEFAULT_STEP, DEFAULT_TOLERANCE, Stepping
 from propermodel.simulation.trajectory import RunStatus, Trajectory
 
@@ -277,26 +277,6 @@ def check_outputs(compiled: CompiledModel, outputs: tuple[Path, ...]) -> None:
                 for path in unknown
             ]
         )
-
-
-def fitting_scenario(reduced: CompiledModel, scenario: Scenario) -> Scenario:
-    """The scenario without starts and inputs for what a reduced model no longer has."""
-
-    def starts(path: Path, value: float) -> bool:
-        try:
-            begin(reduced, replace(scenario, inputs={}, tables={}, parameters={}, initial={path: value}))
-        except SimulationError:
-            return False
-        return True
-
-    graph = reduced.graph
-    return replace(
-        scenario,
-        inputs={path: value for path, value in scenario.inputs.items() if path in graph.tables},
-        tables={path: value for path, value in scenario.tables.items() if path in graph.tables},
-        parameters={path: value for path, value in scenario.parameters.items() if path in graph.parameters},
-        initial={path: value for path, value in scenario.initial.items() if starts(path, value)},
-    )
 
 
 def _most_active(ranking: ActivityRanking, full: Trajectory, reduced: Trajectory) -> tuple[Path, ...]:

@@ -12,19 +12,11 @@ from typing import Any
 import numpy as np
 
 from propermodel.analysis.comparison import OutputError
-from propermodel.modelling.model import (
-    ConstantEffort,
-    ConstantFlow,
-    Cut,
-    Freeze,
-    Removal,
-    ZeroEffort,
-    ZeroFlow,
-)
+from propermodel.codegen.versions import versions
+from propermodel.modelling.removal_words import removal_text
 from propermodel.reduction.plan import Decision, Reduction
 from propermodel.report.speed import BestSteps, Speed, Timing
 from propermodel.report.study import ReductionStudy
-from propermodel.report.versions import versions
 from propermodel.simulation.trajectory import Trajectory
 
 FORMAT = "propermodel-summary"
@@ -83,23 +75,6 @@ def summarise(study: ReductionStudy) -> dict[str, Json]:
     if "fuel_kg" in totals:
         summary["fuel_kg"] = {key: totals["fuel_kg"][key] for key in ("full", "reduced", "error_percent")}
     return _finite(summary)
-
-
-def removal_text(removal: Removal) -> str:
-    """A removal in words."""
-    match removal:
-        case ZeroEffort(bond):
-            return f"no effort at {bond}"
-        case ZeroFlow(bond):
-            return f"no flow at {bond}"
-        case ConstantEffort(bond, value):
-            return f"constant effort {value:.6g} at {bond}"
-        case ConstantFlow(bond, value):
-            return f"constant flow {value:.6g} at {bond}"
-        case Cut(bond, driven):
-            return f"one-way cut at {bond}, which receives the {driven}"
-        case Freeze(signal, value):
-            return f"signal {signal} frozen at {value:.6g}"
 
 
 def write_summary(study: ReductionStudy, file: FilePath) -> dict[str, Json]:
