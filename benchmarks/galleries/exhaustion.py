@@ -20,7 +20,7 @@ from benchmarks.galleries.network import FloatArray, Half, Kind, Network
 IntArray = NDArray[np.int8]
 
 SINGULAR = 1e-9  # an answer below this share of what it was in the full network, at all lines, is none
-MOST_WITH_CONSTANTS = 200_000  # sets, beyond which constants are offered only to what carries a bias
+MOST_WITH_CONSTANTS = 60_000  # sets, beyond which constants are offered only to what carries a bias
 AT_ONCE = 24e6  # numbers in one array
 
 
@@ -77,7 +77,8 @@ class Exhaustion:
 def exhaust(network: Network) -> Exhaustion:
     """Judge every smaller network."""
     response, lines = respond(network), Lines(network.stop)
-    choices = choices_of(network, response)
+    seen = lines.instants(response.moved) + response.equilibrium[:, np.newaxis]
+    choices = choices_of(network, seen, response.equilibrium)
     ranges = np.ptp(lines.instants(response.outputs), axis=1)
     meanings: list[IntArray] = []
     errors: list[FloatArray] = []
@@ -89,16 +90,21 @@ def exhaust(network: Network) -> Exhaustion:
     return Exhaustion(np.concatenate(meanings), np.concatenate(errors), choices, tried)
 
 
-def choices_of(network: Network, response: Response) -> Choices:
+def choices_of(network: Network, seen: FloatArray, equilibrium: FloatArray, most: int = MOST_WITH_CONSTANTS) -> Choices:
     """Every element may stay, or lose its effort or flow; storage may give a constant, where that is affordable.
 
-    The constant is the mean over the window, weighted with the size of the partner. Beyond `MOST_WITH_CONSTANTS` sets
-    it is offered only to storage that carries a bias.
+    The constant is the mean over the window, weighted with the size of the partner. Beyond `most` sets it is offered
+    only to storage that carries a bias.
+
+    Args:
+        network: The full network.
+        seen: (efforts then flows, instants) in its run.
+        equilibrium: (efforts then flows) at its start.
+        most: Sets that are affordable.
     """
     count = len(network.elements)
-    seen = Lines(network.stop).instants(response.moved) + response.equilibrium[:, np.newaxis]
     stores = [element.kind is not Kind.RESISTANCE for element in network]
-    is_affordable = 3 ** (count - sum(stores)) * 4 ** sum(stores) <= MOST_WITH_CONSTANTS
+    is_affordable = 3 ** (count - sum(stores)) * 4 ** sum(stores) <= most
     found: list[tuple[Choice, ...]] = []
     for number, element in enumerate(network):
         zero = (
@@ -108,7 +114,7 @@ def choices_of(network: Network, response: Response) -> Choices:
         )
         half = Half.EFFORT if element.kind is Kind.COMPLIANCE else Half.FLOW
         own, other = (number, count + number) if half is Half.EFFORT else (count + number, number)
-        is_biased = abs(response.equilibrium[own]) > 1e-9 * float(np.max(np.abs(seen[own])))
+        is_biased = abs(equilibrium[own]) > 1e-9 * float(np.max(np.abs(seen[own])))
         if not stores[number] or not (is_affordable or is_biased):
             found.append(zero)
             continue

@@ -138,7 +138,7 @@ def half_car(chance: Chance, with_tyre_damping: bool, with_weight: bool) -> Netw
     couplings: list[Coupling] = []
     signal = chance.signal(0.3)
     drives: list[Drive] = []
-    for name, arm, delay in (("front", -1.3, 0), ("rear", 1.4, 60)):
+    for name, arm, delay in (("front", -1.3, 0), ("rear", 1.4, INTERVALS // 16)):
         corner, wheel, road = f"{name}_corner", f"{name}_wheel", f"{name}_road"
         couplings.append(Coupling(f"{name}_arm", Place(O, "pitch"), Place(T, corner, "body"), arm))
         elements += [

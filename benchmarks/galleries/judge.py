@@ -47,10 +47,12 @@ class Lines:
         self.constant: ComplexArray = SAMPLES / (2.0 * stop * self.s)  # of the constant 1 that begins with the window
 
     def of(self, values: FloatArray) -> ComplexArray:
-        """The lines of a signal, from its values at the ends of all intervals; afterwards it fades away."""
+        """The lines of a signal that is straight between its values at the ends of intervals; afterwards it fades."""
         fading = 0.5 + 0.5 * np.cos(np.pi * np.arange(SAMPLES - INTERVALS) / (SAMPLES - INTERVALS))
         whole = np.concatenate([values[:INTERVALS], values[-1] * fading])
-        return np.fft.rfft(whole * np.exp(-self._sigma * self._times))
+        half = self.s * self._times[1] / 2.0
+        straight = (np.sinh(half) / half) ** 2
+        return np.fft.rfft(whole * np.exp(-self._sigma * self._times)) * straight
 
     def instants(self, lines: ComplexArray) -> FloatArray:
         """The values of signals (last axis) at the ends of all intervals."""
@@ -82,13 +84,13 @@ def respond(network: Network) -> Response:
 
 def _solved(network: Network, s: ComplexArray) -> ComplexArray:
     """(efforts then flows of elements, laws then drives, s): what they are per unit."""
-    equations = _Equations(network)
+    equations = Equations(network)
     matrix = equations.constant + s[:, np.newaxis, np.newaxis] * equations.rate
     found = np.linalg.solve(matrix, np.broadcast_to(equations.right, (len(s), *equations.right.shape)))
     return np.ascontiguousarray(np.transpose(equations.observed @ found, (1, 2, 0)))
 
 
-class _Equations:
+class Equations:
     """(constant + s rate) x = right; x are the quantities of nodes, and what passes through elements and couplings."""
 
     def __init__(self, network: Network) -> None:

@@ -9,21 +9,32 @@ import numpy as np
 
 import propermodel as pm
 from benchmarks.galleries.judge import Response
-from benchmarks.galleries.network import GROUND, Coupling, Element, Field, Kind, Network, Output, Place
+from benchmarks.galleries.network import GROUND, Coupling, Element, Field, Kind, Law, Network, Output, Place
 from propermodel.library.electrical import Capacitor, Ground, Inductor, Resistor
 from propermodel.library.electrical.machines import ElectromechanicalConversion, VoiceCoil
-from propermodel.library.hydraulics.components import Leakage, OilChamber
+from propermodel.library.hydraulics.components import Leakage, LineResistance, OilChamber
 from propermodel.library.hydraulics.lines import OilInertia
 from propermodel.library.hydraulics.sources import OpenTank
 from propermodel.library.mechanics.rotation import (
+    CoulombFriction,
     FixedShaft,
     Gear,
+    QuadraticTorque,
     RollingWheel,
     RotatingInertia,
     RotationalDamper,
     TorsionSpring,
 )
-from propermodel.library.mechanics.translation import Damper, Fixed, Mass, Spring
+from propermodel.library.mechanics.translation import (
+    Damper,
+    DegressiveDamper,
+    Fixed,
+    Friction,
+    HardeningSpring,
+    Mass,
+    QuadraticDrag,
+    Spring,
+)
 
 _DENSITY = 870.0  # of the oil whose inertia is asked for, kg/m3
 _AREA = 1e-4  # of its line, m2
@@ -132,12 +143,15 @@ def observable(network: Network, output: Output) -> pm.Path:
 def port_of(element: Element) -> pm.Path:
     """The port at which an element takes its power."""
     one_sided = {Field.TRANSLATION: "flange", Field.ROTATION: "shaft"}
-    is_body = element.kind is Kind.INERTIA and element.place.field in one_sided
+    is_drag = element.law is Law.QUADRATIC or (element.law is Law.FRICTION and element.place.field is Field.ROTATION)
+    is_body = (element.kind is Kind.INERTIA or is_drag) and element.place.field in one_sided
     return pm.Path((element.name, one_sided[element.place.field] if is_body else "port"))
 
 
 def _part(element: Element) -> tuple[pm.Component, tuple[Any, ...]]:
     """The component of an element, and its ports in order."""
+    if element.law is not Law.LINEAR:
+        return _bent_part(element)
     value = element.value
     match element.place.field, element.kind:
         case Field.TRANSLATION, Kind.RESISTANCE:
@@ -167,6 +181,34 @@ def _part(element: Element) -> tuple[pm.Component, tuple[Any, ...]]:
             return chamber, (chamber.port,)
         case Field.HYDRAULIC, Kind.INERTIA:
             part = OilInertia(length=value * _AREA / _DENSITY, area=_AREA, density=_DENSITY)
+    return part, (part.a, part.b)
+
+
+def _bent_part(element: Element) -> tuple[pm.Component, tuple[Any, ...]]:
+    """The same of an element that is not linear."""
+    value, scale = element.value, element.scale
+    match element.place.field, element.law:
+        case Field.TRANSLATION, Law.HARDENING:
+            part = HardeningSpring(stiffness=value, cubic_stiffness=value / scale**2)
+        case Field.TRANSLATION, Law.SATURATING:
+            part = DegressiveDamper(
+                damping=value, degressivity_compression=1.0 / scale, degressivity_rebound=1.0 / scale
+            )
+        case Field.TRANSLATION, Law.FRICTION:
+            part = Friction(force=value * scale, width=scale)
+        case Field.TRANSLATION, Law.QUADRATIC:
+            drag = QuadraticDrag(drag_area=2.0 * value / scale, air_density=1.0)
+            return drag, (drag.flange,)
+        case Field.ROTATION, Law.FRICTION:
+            friction = CoulombFriction(torque=value * scale, width=scale)
+            return friction, (friction.shaft,)
+        case Field.ROTATION, Law.QUADRATIC:
+            fan = QuadraticTorque(nominal_torque=value * scale, nominal_speed=scale)
+            return fan, (fan.shaft,)
+        case Field.HYDRAULIC, Law.QUADRATIC:
+            part = LineResistance(resistance=value / scale)
+        case field, law:
+            raise NotImplementedError(f"no part in {field} has a {law} law")
     return part, (part.a, part.b)
 
 

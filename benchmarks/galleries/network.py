@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 GROUND = ""
-INTERVALS = 1000  # into which the window of every system is divided
+INTERVALS = 500  # into which the window of every system is divided
 
 
 class Kind(StrEnum):
@@ -25,6 +25,16 @@ class Kind(StrEnum):
     RESISTANCE = "R"  # e = value * f
     COMPLIANCE = "C"  # e = value * q, so the value is a stiffness
     INERTIA = "I"  # p = value * f
+
+
+class Law(StrEnum):
+    """How an element bends, x being its flow (a resistance) or displacement (a compliance) and s its `scale`."""
+
+    LINEAR = "linear"  # e = value x
+    HARDENING = "hardening"  # e = value x (1 + (x / s)^2)
+    SATURATING = "saturating"  # e = value x / (1 + |x| / s)
+    FRICTION = "friction"  # e = value s tanh(x / s)
+    QUADRATIC = "quadratic"  # e = value x |x| / s
 
 
 class Field(StrEnum):
@@ -65,6 +75,8 @@ class Element:
     kind: Kind
     place: Place
     value: float
+    law: Law = Law.LINEAR
+    scale: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import propermodel as pm
+from benchmarks.conditions import conditions
+from benchmarks.galleries.bent import draw_bent_gallery
 from benchmarks.galleries.cases import cases_of, clear_of_borders, forecast_of
 from benchmarks.galleries.exhaustion import Choice, Exhaustion, Meaning, exhaust
 from benchmarks.galleries.families import FAMILIES, draw_gallery
 from benchmarks.galleries.judge import Lines, respond
+from benchmarks.galleries.march import GIVEN_UP, exhaust_bent, run_bent
 from benchmarks.galleries.models import model_of, observable, port_of, scenario_of
-from benchmarks.galleries.network import INTERVALS, Element, Half, Network
+from benchmarks.galleries.network import INTERVALS, Element, Half, Law, Network
+from benchmarks.galleries.page import write_page
+from benchmarks.galleries.summary import tally
 
 ALL = {network.name: network for network in draw_gallery(2 * len(FAMILIES))}
+BENT = {network.name: network for network in draw_bent_gallery(8)}
 
 
 def run_of(network: Network, model: pm.Model) -> pm.Trajectory:
@@ -99,6 +106,64 @@ def test_the_smallest_model_of_all_subsets_is_found():
         assert case.error <= 1.0
         assert case.simulations <= 5 * case.elements
         assert len(case.best) == case.optimum >= 2
+
+
+@pytest.mark.parametrize("name", ["bent_quarter_car_1", "bent_geared_rotors_1", "bent_hydraulic_circuit_1"])
+def test_bent_networks_respond_as_their_models_do(name: str):
+    network = BENT[name]
+    assert any(element.law is not Law.LINEAR for element in network)
+    run, found, count = run_of(network, model_of(network)), run_bent(network), len(network.elements)
+    for output in network.outputs:
+        expected = run[observable(network, output)]
+        values = found[network.number(output.element) + (count if output.half is Half.FLOW else 0)]
+        assert np.sqrt(np.mean((values - expected) ** 2)) <= 2e-3 * np.ptp(expected)
+
+
+def test_both_judges_agree_on_a_linear_network():
+    network = ALL["hydraulic_circuit_1"]
+    exact, stepped = exhaust(network), exhaust_bent(network)
+    assert {tuple(row) for row in exact.meanings.tolist()} == {tuple(row) for row in stepped.meanings.tolist()}
+    for meanings, errors in zip(stepped.meanings, stepped.errors, strict=True):
+        expected = exact.at(meanings)
+        assert expected is not None
+        if np.all(np.isfinite(errors)):
+            assert errors == pytest.approx(expected, rel=0.02, abs=2e-4)
+        else:
+            assert np.max(expected) > 0.95 * GIVEN_UP
+
+
+def case(**given: object) -> dict[str, object]:
+    usual: dict[str, object] = {"system": "a_1", "family": "a", "elements": 8, "is_biased": False, "tolerance": 0.01}
+    usual |= {"optimum": 3, "found": 3, "missed": 0, "error": 0.5, "simulations": 4, "exhaustive": 1000}
+    return usual | {"removals": ["x no flow"], "best": ["x no flow"]} | given
+
+
+def test_the_page_tells_misses(tmp_path: Path):
+    cases = [case(), case(tolerance=0.02, missed=2, found=1, simulations=12), case(missed=-1, found=4)]
+    found = tally(cases)
+    assert (found.cases, found.optimum, found.smaller, found.one_more, found.two_more, found.outside) == (
+        3,
+        2,
+        1,
+        0,
+        1,
+        0,
+    )
+    assert (found.simulations, found.most_each, found.largest_share) == (4.0, 1.5, 0.012)
+    forecast = {
+        "predicted": [1.0, 2.0, 3.0],
+        "true": [1.0, 2.0, 4.0],
+        "activity": [3.0, 2.0, 1.0],
+        "ratios": [1.0, 0.4],
+    }
+    data = {"linear": {"cases": cases, "forecasts": [forecast]}, "command": "make", "conditions": conditions()}
+    write_page(data, tmp_path / "page.md")
+    text = (tmp_path / "page.md").read_text()
+    assert "| all | 3 | 66.7% | 0 | 1 | 0 |" in text
+    assert "| `a_1` | 2.00% | 1 | 3 | x no flow | x no flow |" in text
+    assert "| predicted error | 1.000 | 1.000 | 50.0% |" in text
+    assert "| activity | -1.000 |" in text
+    assert "not linear" not in text
 
 
 def test_predictions_are_compared_with_what_is_true():
