@@ -25,7 +25,7 @@ def test_eigenvalues_are_those_of_the_drawn_graph():
             continue
         run = pm.simulate(model, pm.Scenario(stop=2e-3), step=1e-3, record_every=1e-3)
         surrogate = fit(run, ())
-        found = finite_eigenvalues(surrogate.constant.toarray(), surrogate.rate.toarray())
+        found = finite_eigenvalues(surrogate.points[0].constant.toarray(), surrogate.points[0].rate.toarray())
         expected = finite_eigenvalues(reference.A, reference.B)
         assert distance(found, expected) < 1e-4
         assert distance(expected, found) < 1e-4

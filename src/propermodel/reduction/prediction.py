@@ -93,13 +93,17 @@ class Prediction:
         recorded = [
             trajectory[name / variable.value] for variable in (Variable.EFFORT, Variable.FLOW) for name in self._bonds
         ]
-        self._spectra: Spectra = spectra(trajectory.time, recorded)
+        points = self._surrogate.point_of(trajectory.time)
+        self._spectra: Spectra = spectra(trajectory.time, recorded, points)
         own = [tableau.column_of(bond, v) for v in (Variable.EFFORT, Variable.FLOW) for bond in bonds]
         looked_at = [tableau.column(path) for path in outputs]
         wanted = [*own, *(column for column in looked_at if column is not None)]
-        places, which = np.unique(self._spectra.s, return_inverse=True)
-        gains = np.array([self._surrogate.gains(complex(s), self._bonds, wanted) for s in places])[which]
         count = len(self._bonds)
+        gains = np.empty((len(self._spectra.s), len(wanted), count), dtype=np.complex128)
+        for point in np.unique(self._spectra.point):
+            there = self._spectra.point == point
+            places, which = np.unique(self._spectra.s[there], return_inverse=True)
+            gains[there] = self._surrogate.gains(int(point), places, self._bonds, wanted)[which]
         answers = np.zeros((len(gains), len(outputs), count), dtype=np.complex128)
         answers[:, [k for k, column in enumerate(looked_at) if column is not None]] = gains[:, 2 * count :]
         self._ranges = {path: float(np.ptp(trajectory[path])) for path in outputs}
@@ -114,6 +118,7 @@ class Prediction:
             own=gains[:, : 2 * count],
             answers=answers,
             amplitudes=self._spectra.amplitudes,
+            line=self._spectra.line,
             deviations=np.zeros((len(gains), 2 * count), dtype=np.complex128),
             changes=np.zeros((len(gains), len(outputs)), dtype=np.complex128),
             ranges=np.array([self._ranges[path] for path in outputs]),

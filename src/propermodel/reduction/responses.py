@@ -1,8 +1,9 @@
 """The answers of a linear model to removals, made one after the other or together.
 
-At every line of the spectrum: what the efforts and flows of all ports, and the outputs, do per unit by which the law of
-a port is violated, and how far they are from where they were in the run. A removal sets one effort or flow to nothing,
-or to a constant, by violating its law; afterwards the others answer as the smaller model does.
+At every line of the spectrum, for every operating point: what the efforts and flows of all ports, and the outputs, do
+per unit by which the law of a port is violated, and how far they are from where they were in the run. A removal sets
+one effort or flow to nothing, or to a constant, by violating its law; afterwards the others answer as the smaller model
+does.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from propermodel.codegen.machine import BoolArray, FloatArray
-from propermodel.reduction.spectra import ComplexArray
+from propermodel.reduction.spectra import ComplexArray, IntArray
 
 # A removal that answers less than this share of what it did in the full model has no solution: one constraint stated
 # twice, a cut of what is cut already.
@@ -31,15 +32,19 @@ class Move:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Responses:
-    """A model with the removals that have been made; arrays begin with the lines of the spectrum."""
+    """A model with the removals that have been made; arrays begin with the terms of the spectrum.
 
-    own: ComplexArray  # (lines, efforts then flows of ports, laws)
-    answers: ComplexArray  # (lines, outputs, laws)
-    amplitudes: ComplexArray  # (lines, efforts then flows, and the constant 1) in the run
-    deviations: ComplexArray  # (lines, efforts then flows) from the run
-    changes: ComplexArray  # (lines, outputs) from the run
+    A term is the part that one operating point has in a line; what the terms of a line do to an output adds up.
+    """
+
+    own: ComplexArray  # (terms, efforts then flows of ports, laws)
+    answers: ComplexArray  # (terms, outputs, laws)
+    amplitudes: ComplexArray  # (terms, efforts then flows, and the constant 1) in the run
+    deviations: ComplexArray  # (terms, efforts then flows) from the run
+    changes: ComplexArray  # (terms, outputs) from the run
+    line: IntArray  # (terms): rising
     ranges: FloatArray  # of the outputs
-    full: FloatArray  # (lines, efforts then flows): what each answered to its own law in the full model
+    full: FloatArray  # (terms, efforts then flows): what each answered to its own law in the full model
 
     @property
     def ports(self) -> int:
@@ -49,7 +54,14 @@ class Responses:
     @property
     def errors(self) -> FloatArray:
         """Root mean square of the change of each output, as a share of its range."""
-        return np.linalg.norm(self.changes, axis=0) / self.ranges
+        return self._sizes(self.changes) / self.ranges
+
+    def _sizes(self, changes: ComplexArray) -> FloatArray:
+        """Root mean squares of changes, whose first axis are terms."""
+        starts = np.flatnonzero(np.diff(self.line, prepend=-1))
+        if len(starts) < len(changes):
+            changes = np.add.reduceat(changes, starts, axis=0)
+        return np.linalg.norm(changes, axis=0)
 
     def _missing(self, moves: Sequence[Move]) -> ComplexArray:
         variables = [move.variable for move in moves]
@@ -76,7 +88,7 @@ class Responses:
         violations = -np.linalg.solve(violated, self._missing(moves)[:, :, np.newaxis])[:, :, 0]
         laws = [move.law for move in moves]
         changes = self.changes + np.einsum("lmk,lk->lm", self.answers[:, :, laws], violations)
-        return np.linalg.norm(changes, axis=0) / self.ranges
+        return self._sizes(changes) / self.ranges
 
     def without(self, moves: Sequence[Move]) -> Responses | None:
         """The model after further removals together; None if they leave no solution."""
@@ -107,6 +119,6 @@ class Responses:
         here = self.amplitudes[:, chosen] + self.deviations[:, chosen] - self.amplitudes[:, -1:] * values
         violations = -here / np.where(is_singular, 1.0, answered)
         changes = self.changes[:, :, np.newaxis] + self.answers * violations[:, np.newaxis, :]
-        found = np.linalg.norm(changes, axis=0) / self.ranges[:, np.newaxis]
+        found = self._sizes(changes) / self.ranges[:, np.newaxis]
         found[:, is_singular] = np.nan
         return found
