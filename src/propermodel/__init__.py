@@ -113,7 +113,7 @@ if TYPE_CHECKING:
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.candidates import Candidate, ProperModelSearch
     from propermodel.reduction.certificate import Certificate
-    from propermodel.reduction.certificate_document import read_certificate, write_certificate
+    from propermodel.reduction.certificate_files import read_certificate, write_certificate
     from propermodel.reduction.certify import CertifiedModel, certify
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.reduction.prediction import PredictedError, Prediction, predict_errors
@@ -182,7 +182,7 @@ _WHEN_USED = {
     "predict_errors": "reduction.prediction",
     "find_proper_model": "reduction.search",
     "rank_activity": "analysis.activity",
-    "read_certificate": "reduction.certificate_document",
+    "read_certificate": "reduction.certificate_files",
     "read_model": "modelling.documents",
     "read_scenario": "modelling.documents",
     "run_study": "report.study",
@@ -195,7 +195,7 @@ _WHEN_USED = {
     "state_equations": "equations.readable",
     "symbolic_matrices": "equations.matrices",
     "verify_certificate": "reduction.verify",
-    "write_certificate": "reduction.certificate_document",
+    "write_certificate": "reduction.certificate_files",
     "write_model": "modelling.documents",
     "write_scenario": "modelling.documents",
 }

@@ -110,6 +110,17 @@ def test_both_ways_to_reduce_write_a_certificate_that_holds(reduced: tuple[Path,
     assert succeed("verify", tmp_path / "certificate.json", "--model", MODEL, "--scenario", scenario)
 
 
+def test_ranges_of_parameters_stand_in_the_certificate(tmp_path: Path):
+    options = ["--tolerance", "body.flange.flow=9%", "--step", "0.001", "--until", "2", "--out", tmp_path]
+    ranges = ["--range", "body.mass=5%", "--range", "wheel.mass=0.07 t..90kg"]
+    succeed("reduce", MODEL, *options, *ranges)
+    found = json.loads((tmp_path / "certificate.json").read_text())["ranges"]["ranges"]
+    assert [(r["parameter"], r["low"], r["high"]) for r in found][1] == ("wheel.mass", 70.0, 90.0)
+    assert "is no range of a parameter" in fail(2, "reduce", MODEL, *options, "--range", "body.mass=5")
+    assert "no parameter 'body.mas'" in fail(2, "reduce", MODEL, *options, "--range", "body.mas=5%")
+    assert "there are none" in fail(2, "reduce", MODEL, "--out", tmp_path, *ranges)
+
+
 def test_a_certificate_that_does_not_hold_ends_with_1(reduced: tuple[Path, str], tmp_path: Path):
     for file in reduced[0].glob("*.json"):
         (tmp_path / file.name).write_bytes(file.read_bytes())

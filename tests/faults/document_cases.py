@@ -220,6 +220,21 @@ CASES = (
         cure="give one of them",
     ),
     Case(
+        code="command/range",
+        run=command(
+            "reduce",
+            f"{RIG}:QuarterCar",
+            "--tolerance",
+            "body.flange.flow=5%",
+            "--range",
+            "body.mass=5",
+            "--out",
+            "out",
+        ),
+        names=("body.mass=5",),
+        cure="--range body.mass=10%",
+    ),
+    Case(
         code="command/set",
         run=command("run", f"{RIG}:QuarterCar", "--set", "body.mass"),
         names=("body.mass",),

@@ -47,6 +47,7 @@ from propermodel.library.electrical import ConstantVoltage, CoupledInductors, Gr
 from propermodel.library.mechanics.translation import ConstantVelocity
 from propermodel.modelling.model import Variable
 from propermodel.reduction.claim import Claim, Condition
+from propermodel.reduction.ranges import ranges_of
 from propermodel.simulation.stepping import Stepping
 from tests.faults.case import Case
 from tests.parts import Fixed, Mass, SpringDamper
@@ -549,6 +550,12 @@ CASES = (
         run=nothing_found,
         names=("quarter",),
         cure="certify(search, candidate)",
+    ),
+    Case(
+        code="reduction/ranges",
+        run=lambda: ranges_of(claimed(step=1e-3), {"suspension.spring.stifness": 0.1}),
+        names=("suspension.spring.stifness",),
+        cure="did you mean 'suspension.spring.stiffness'?",
     ),
     Case(
         code="reduction/incomplete",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -76,6 +76,10 @@ class OutputError:
             case Feature.SETTLING:
                 return _of_times(self.reference.settling, self.other.settling)
 
+    def is_defined(self, feature: Feature) -> bool:
+        """Whether the reference has a feature."""
+        return not isinstance(replace(self, other=self.reference).of(feature), Undefined)
+
     def __str__(self) -> str:
         return (
             f"{self.path}: rms {self.rms:.3%} of its range, largest {self.largest:.3%} at {self.at:.1f} s, "
@@ -122,8 +126,13 @@ def compare(reference: Trajectory, other: Trajectory, outputs: Iterable[Expr | P
 
 
 def _compare_output(reference: Trajectory, other: Trajectory, path: Path) -> OutputError:
-    time, expected = reference.time, reference[path]
+    time = reference.time
     found = np.interp(time, other.time, other[path])
+    return compare_columns(path, reference.unit(path), time, reference[path], found)
+
+
+def compare_columns(path: Path, unit: str, time: FloatArray, expected: FloatArray, found: FloatArray) -> OutputError:
+    """Compare the values of one output at the same instants."""
     scale = float(np.ptp(expected)) or float(np.max(np.abs(expected))) or 1.0
     difference = np.abs(found - expected)
     worst = int(np.argmax(difference))
@@ -131,7 +140,7 @@ def _compare_output(reference: Trajectory, other: Trajectory, path: Path) -> Out
     side = 0.0 if isinstance(before.peak, Undefined) else before.peak.value - float(expected[0])
     return OutputError(
         path=path,
-        unit=reference.unit(path),
+        unit=unit,
         reference_range=float(np.ptp(expected)),
         mean=_mean(time, difference) / scale,
         rms=float(np.sqrt(_mean(time, difference**2))) / scale,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED, print_diagnostics
+from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED, CommandError, print_diagnostics
 from propermodel.cli.options import (
     AsJson,
     JacobianOption,
@@ -58,6 +58,15 @@ def reduce(
             metavar="PATH=SHARE",
         ),
     ] = None,
+    ranges: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--range",
+            help="With --tolerance: a parameter for whose values the tolerances must hold as well, body.mass=10% or "
+            "body.mass=0.9t..1.5t.",
+            metavar="PATH=RANGE",
+        ),
+    ] = None,
     junction_tolerance: Annotated[
         float, typer.Option(help="Largest share of a neglected term at its junction, with --threshold.", min=0.0)
     ] = 0.1,
@@ -86,8 +95,14 @@ def reduce(
         outputs=output,
     )
     if tolerance:
-        reduce_within(subject, tolerance, out, as_json=as_json)
+        reduce_within(subject, tolerance, ranges or [], out, as_json=as_json)
         return
+    if ranges:
+        raise CommandError.of(
+            "command/range",
+            "ranges of parameters say how far tolerances must hold, and there are none",
+            help="give at least one, --tolerance body.flange.flow=2%",
+        )
     options = StudyOptions(
         threshold=threshold,
         tolerance=junction_tolerance,

@@ -33,7 +33,7 @@ def verify(
     """
     from propermodel.cli.models import load_subject
     from propermodel.cli.tables import Screen
-    from propermodel.reduction.certificate_document import read_certificate
+    from propermodel.reduction.certificate_files import read_certificate
     from propermodel.reduction.verify import verify_certificate
 
     subject = None if model is None else load_subject(model)

@@ -20,18 +20,22 @@ if TYPE_CHECKING:
     from propermodel.reduction.candidates import Candidate, ProperModelSearch
 
 
-def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *, as_json: bool) -> None:
-    """Search, write the front and the recommended model, and print them."""
+def reduce_within(
+    subject: Subject, tolerances: Sequence[str], ranges: Sequence[str], out: FilePath, *, as_json: bool
+) -> None:
+    """Search, write the front and the recommended model with its certificate, and print them."""
     from propermodel.cli.progress import ProgressBars
+    from propermodel.cli.ranges import parse_ranges
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
     from propermodel.modelling.documents import write_model
-    from propermodel.reduction.certificate_document import write_certificate
+    from propermodel.reduction.certificate_files import write_certificate
     from propermodel.reduction.certify import certify
     from propermodel.reduction.search import find_proper_model
 
     compiled = compile_model(subject.model)
     wanted = _tolerances(compiled, subject, tolerances)
+    moving = parse_ranges(subject, ranges)
     with ProgressBars() as bars:
         found = find_proper_model(
             subject.model,
@@ -46,7 +50,7 @@ def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *,
     out.mkdir(parents=True, exist_ok=True)
     report = _report(found)
     (out / "search.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    certified = None if found.recommended is None else certify(found)
+    certified = None if found.recommended is None else certify(found, ranges=moving or None)
     if certified is None:
         write_model(found.reduced(), out / "reduced_model.json")
     else:
@@ -58,11 +62,11 @@ def reduce_within(subject: Subject, tolerances: Sequence[str], out: FilePath, *,
     screen.print(*str(found).splitlines(), "")
     files = [
         ("search.json", "every model that was tried, with its errors"),
-        ("reduced_model.json", "the recommended model, to be run and reduced further"),
+        ("reduced_model.json", "the certified model, to be run and reduced further"),
     ]
     if certified is not None:
         screen.print(*(f"warning: {warning}" for warning in certified.certificate.warnings))
-        files.append(("certificate.json", "what the recommended model rests on; propermodel verify repeats it"))
+        files.append(("certificate.json", "what it rests on; propermodel verify repeats it"))
     for name, meaning in files:
         screen.print(f"{(out / name).as_posix()}  {meaning}")
 

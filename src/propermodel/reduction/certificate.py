@@ -17,6 +17,7 @@ from propermodel.analysis.tolerances import Tolerance
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import Removal
 from propermodel.reduction.candidates import MARGIN
+from propermodel.reduction.ranges import SampledRanges
 from propermodel.simulation.stepping import Stepping
 
 BALANCED = 1e-2  # residual of an energy balance, as a share, above which it is told
@@ -97,6 +98,7 @@ class Certificate:
     removed: tuple[RemovedRow, ...]
     removals: tuple[Removal, ...]
     scenarios: tuple[CertifiedScenario, ...]
+    ranges: SampledRanges | None  # of parameters
     stepping: Stepping
     versions: Mapping[str, str]
     not_checked: tuple[str, ...]
@@ -126,6 +128,11 @@ class Certificate:
                         feature,
                         math.inf if isinstance(error, Undefined) else error / share,
                     )
+        for case in () if self.ranges is None else self.ranges.worst:
+            if case.output in self.tolerances:
+                share = self.tolerances[case.output].shares[case.feature]
+                where = ", ".join(f"{path} = {value:.4g}" for path, value in case.parameters.items())
+                yield f"{case.scenario} with {where}", case.output, case.feature, case.error / share
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -193,9 +200,21 @@ def _lines(certificate: Certificate) -> Iterator[str]:
                 f"{full.stiffness:.2g}) become {reduced.order} up to {reduced.radius:.4g} 1/s ({reduced.stiffness:.2g})"
             )
         yield from (f"  note: {note}" for note in scenario.notes)
+    if c.ranges is not None:
+        yield from _range_lines(c.ranges)
     yield from (f"warning: {warning}" for warning in c.warnings)
     yield from (f"not checked: {text}" for text in c.not_checked)
     yield f"to repeat it: {c.recheck}"
+
+
+def _range_lines(ranges: SampledRanges) -> Iterator[str]:
+    names = ", ".join(f"{r.parameter} {r.low:.4g} to {r.high:.4g} {r.unit}" for r in ranges.ranges)
+    yield f"{ranges.samples} sets of parameters, {names}; the largest errors:"
+    for case in ranges.worst:
+        where = ", ".join(f"{path} = {value:.4g}" for path, value in case.parameters.items())
+        yield f"  {case.output} on {case.scenario}: {case.feature.value} {case.error:.3%} with {where}"
+    if ranges.unusable:
+        yield f"  {ranges.unusable} comparisons say nothing: the full model did not get to the end, or lacks a feature"
 
 
 def _errors(output: CertifiedOutput, tolerance: Tolerance | None) -> Iterator[str]:

@@ -1,16 +1,9 @@
-"""Certificates as files: versioned JSON beside the documents of the models and scenarios that it speaks of.
-
-What is read is checked entry by entry, within limits, as every document is; files are taken only from the folder of the
-certificate, and only as they were when it was written.
-"""
+"""Certificates as documents: versioned JSON of plain data, checked entry by entry within limits when it is read."""
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path as FilePath
 from typing import Any
 
 from propermodel.analysis.comparison import Feature
@@ -18,20 +11,13 @@ from propermodel.analysis.features import Undefined
 from propermodel.analysis.spectral_change import CriticalMode, SpectralChange, Spectrum
 from propermodel.analysis.tolerances import Tolerance
 from propermodel.codegen.machine import Method
-from propermodel.diagnostics import DocumentError, ReductionError
+from propermodel.diagnostics import ReductionError
 from propermodel.modelling.documents import (
     SharedEntries,
     opened,
-    read_model,
-    read_scenario,
-    write_model,
-    write_scenario,
 )
-from propermodel.modelling.files import FileName, of_file, partial_file, read_bytes
 from propermodel.modelling.formats import REMOVAL
-from propermodel.modelling.json_text import parse_json
 from propermodel.modelling.limits import LIMITS, Limits, exceeded
-from propermodel.modelling.model import Model, Scenario
 from propermodel.modelling.schema import (
     BOOLEAN,
     COUNT,
@@ -60,12 +46,12 @@ from propermodel.reduction.certificate import (
     RemovedRow,
     Size,
 )
-from propermodel.reduction.certify import CertifiedModel
+from propermodel.reduction.ranges import ParameterRange, SampledRanges, WorstCase
 from propermodel.simulation.stepping import Stepping
 
 FORMAT = "propermodel-certificate"
 VERSION = 1
-FILE = "certificate.json"
+MOST_SAMPLES = 100_000  # sets of parameters that somebody else's certificate may have run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -207,6 +193,22 @@ SCENARIO_RUNS = record(
     spectra=many(CHANGE),
     notes=many(TEXT),
 )
+RANGES = record(
+    SampledRanges,
+    ranges=many(record(ParameterRange, parameter=PATH, unit=UNIT, low=FINITE, high=FINITE)),
+    samples=COUNT,
+    unusable=COUNT,
+    worst=many(
+        record(
+            WorstCase,
+            scenario=TEXT,
+            output=PATH,
+            feature=choice(Feature),
+            error=NUMBER,
+            parameters=by_path(FINITE),
+        )
+    ),
+)
 CERTIFICATE = record(
     Certificate,
     model=TEXT,
@@ -218,6 +220,7 @@ CERTIFICATE = record(
     removed=many(ROW),
     removals=many(REMOVAL),
     scenarios=many(SCENARIO_RUNS),
+    ranges=optional(RANGES),
     stepping=STEPPING,
     versions=TEXTS,
     not_checked=many(TEXT),
@@ -228,28 +231,7 @@ BESIDE = record(FileBeside, file=Codec(TEXT.write, _read_file_name), sha256=TEXT
 FILES = record(FilesBeside, full_model=BESIDE, reduced_model=BESIDE, scenarios=many(BESIDE))
 
 
-# -- files --------------------------------------------------------------------------------------------------
-
-
-def write_certificate(certified: CertifiedModel, folder: FileName) -> FilePath:
-    """Write `certificate.json` into a folder, with both models and the scenarios beside it; gives its path."""
-    place = FilePath(folder)
-    place.mkdir(parents=True, exist_ok=True)
-    several = len(certified.scenarios) > 1
-    files = FilesBeside(
-        full_model=_written(place / "full_model.json", certified.full, write_model),
-        reduced_model=_written(place / "reduced_model.json", certified.reduced, write_model),
-        scenarios=tuple(
-            _written(place / (f"scenario_{number}.json" if several else "scenario.json"), scenario, write_scenario)
-            for number, scenario in enumerate(certified.scenarios, 1)
-        ),
-    )
-    path = place / FILE
-    partial = partial_file(path)
-    text = json.dumps(to_certificate_document(certified.certificate, files), indent=2, allow_nan=False)
-    partial.write_text(text + "\n", encoding="utf-8", newline="\n")
-    partial.replace(path)
-    return path
+# -- documents ---------------------------------------------------------------------------------------------
 
 
 def to_certificate_document(certificate: Certificate, files: FilesBeside) -> dict[str, Json]:
@@ -297,6 +279,8 @@ def _check(certificate: Certificate, files: FilesBeside, summary: Summary, top: 
             raise top.key("tolerances").fault(f"'{path}' has a tolerance and no measured error")
     if not all(s.record_every > 0.0 and s.integrals_every > 0.0 and s.stop > s.start for s in certificate.scenarios):
         raise top.key("scenarios").fault("periods of recording and the window of a run must be above zero")
+    if certificate.ranges is not None:
+        _check_ranges(certificate, certificate.ranges, top.key("ranges"))
     for fault in certificate.stepping.faults():
         raise top.key("stepping").fault(fault.message, fault.help)
     for s in certificate.scenarios:
@@ -306,88 +290,15 @@ def _check(certificate: Certificate, files: FilesBeside, summary: Summary, top: 
         raise top.key("summary").fault("the summary is not what the numbers of the certificate say")
 
 
-def read_certificate(
-    file: FileName,
-    *,
-    model: Model | None = None,
-    scenarios: Iterable[Scenario] | None = None,
-    limits: Limits = LIMITS,
-) -> CertifiedModel:
-    """The certified model of a file, with the documents beside it.
-
-    Args:
-        file: What `write_certificate` has written.
-        model: The full model, where it is not to be that of the file beside.
-        scenarios: The scenarios, likewise.
-        limits: What is read at most.
-
-    Raises:
-        DocumentError: a file cannot be read, is malformed, goes beyond a limit, or is no longer what it was when the
-            certificate was written.
-    """
-    try:
-        certificate, files = from_certificate_document(
-            parse_json(read_bytes(file, limits.file_bytes, "file_bytes"), limits), limits=limits
-        )
-    except DocumentError as error:
-        raise of_file(error, file) from error
-    folder = FilePath(file).parent
-    if model is None:
-        model = read_model(_unchanged(folder, files.full_model, limits), limits=limits)
-        reduced = read_model(_unchanged(folder, files.reduced_model, limits), limits=limits)
-        if reduced != model.without(certificate.removals):
-            raise of_file(_mismatch(files.reduced_model), file)
-    given = (
-        [read_scenario(_unchanged(folder, beside, limits), limits=limits) for beside in files.scenarios]
-        if scenarios is None
-        else list(scenarios)
-    )
-    if len(given) != len(certificate.scenarios):
-        raise of_file(
-            DocumentError.of(
-                "document/content",
-                f"the certificate speaks of {len(certificate.scenarios)} scenarios; {len(given)} were given",
-                where="scenarios",
-                help=f"give them in this order: {', '.join(s.name for s in certificate.scenarios)}",
-            ),
-            file,
-        )
-    return CertifiedModel(certificate=certificate, full=model, scenarios=tuple(given))
-
-
-def _written(path: FilePath, value: Any, write: Callable[[Any, FileName], None]) -> FileBeside:
-    write(value, path)
-    return FileBeside(file=path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
-
-
-def _unchanged(folder: FilePath, beside: FileBeside, limits: Limits) -> FilePath:
-    """A file beside, if it is what it was.
-
-    Raises:
-        DocumentError: it cannot be read, or it has changed.
-    """
-    path = folder / beside.file
-    try:
-        digest = hashlib.sha256(read_bytes(path, limits.file_bytes, "file_bytes")).hexdigest()
-    except DocumentError as error:
-        raise of_file(error, path) from error
-    if digest != beside.sha256:
-        raise of_file(
-            DocumentError.of(
-                "document/digest",
-                f"'{beside.file}' is not the file that was certified: its SHA-256 is another",
-                help="put the original file beside the certificate, or name what to verify instead: "
-                "propermodel verify certificate.json --model MODEL --scenario SCENARIO",
-            ),
-            path,
-        )
-    return path
-
-
-def _mismatch(beside: FileBeside) -> DocumentError:
-    return DocumentError.of(
-        "document/content",
-        f"'{beside.file}' is not the full model without what the certificate removes",
-        where="removals",
-        help="certify the reduced model again",
-    )
+def _check_ranges(certificate: Certificate, ranges: SampledRanges, place: Place) -> None:
+    names = {scenario.name for scenario in certificate.scenarios}
+    for case in ranges.worst:
+        tolerance = certificate.tolerances.get(case.output)
+        if case.scenario not in names or (tolerance is not None and case.feature not in tolerance.shares):
+            raise place.key("worst").fault(
+                f"the {case.feature.value} of '{case.output}' on {case.scenario!r} has no tolerance or no scenario"
+            )
+    if not all(r.low < r.high for r in ranges.ranges) or not ranges.ranges:
+        raise place.key("ranges").fault("a range must hold something")
+    if not 1 <= ranges.samples <= MOST_SAMPLES:
+        raise place.key("samples").fault(f"there must be 1 to {MOST_SAMPLES} sets of parameters")

@@ -14,7 +14,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, ReductionError, SimulationError
 from propermodel.modelling.model import Model, Removal, Scenario
 from propermodel.modelling.removal_words import removal_text
-from propermodel.reduction.candidates import Candidate, ProperModelSearch
+from propermodel.reduction.candidates import Candidate, ProperModelSearch, Verdict
 from propermodel.reduction.certificate import (
     Certificate,
     CertifiedOutput,
@@ -25,6 +25,7 @@ from propermodel.reduction.certificate import (
 )
 from propermodel.reduction.claim import Claim, Condition
 from propermodel.reduction.prediction import PredictedRow
+from propermodel.reduction.ranges import SAMPLES, GivenRanges, SampledRanges, ranges_of, sample_ranges
 from propermodel.simulation.trajectory import Trajectory
 
 FRAGILE = 1.25  # times the error of all removals together, so that rounding of predictions flags nothing
@@ -67,28 +68,55 @@ class CertifiedModel:
         return str(self.certificate)
 
 
-def certify(search: ProperModelSearch, candidate: Candidate | None = None) -> CertifiedModel:
+def certify(
+    search: ProperModelSearch,
+    candidate: Candidate | None = None,
+    *,
+    ranges: GivenRanges | None = None,
+    samples: int = SAMPLES,
+) -> CertifiedModel:
     """Certify a model that a search has found.
 
     Full and reduced model are formulated and run again on every scenario, by the ordinary route.
 
     Args:
         search: What `find_proper_model` gave.
-        candidate: One of its candidates; by default the recommended one.
+        candidate: One of its candidates; by default the recommended one, or where that leaves the tolerances within the
+            ranges of parameters, the next larger one that does not.
+        ranges: Parameters that may differ from those of the model: a share of the value to both sides, or the least and
+            the greatest value in SI. Both models are run with sets of values from them.
+        samples: How many sets, besides the ends of all ranges where these are few.
 
     Returns:
         The reduced model with its certificate, for `write_certificate`.
 
     Raises:
-        ReductionError: the search has found no model within its tolerances, or a run does not reach its end.
+        ReductionError: the search has found no model within its tolerances, a range holds nothing, or a run does not
+            reach its end.
     """
-    chosen = candidate or search.recommended
+    if candidate is not None:
+        return _certified(search, candidate, ranges, samples)
+    chosen = search.recommended
     if chosen is None:
         raise ReductionError.of(
             "reduction/nothing-found",
             f"no model smaller than {search.model.name} is within the tolerances, so there is nothing to certify",
             help="allow more, or certify one of search.candidates all the same: certify(search, candidate)",
         )
+    first = _certified(search, chosen, ranges, samples)
+    if first.certificate.is_within:
+        return first
+    larger = (c for c in reversed(search.front) if c.verdict is Verdict.WITHIN and len(c.rows) < len(chosen.rows))
+    others = (_certified(search, other, ranges, samples) for other in larger)
+    return next((other for other in others if other.certificate.is_within), first)
+
+
+def _certified(
+    search: ProperModelSearch,
+    chosen: Candidate,
+    ranges: GivenRanges | None,
+    samples: int,
+) -> CertifiedModel:
     claim = Claim(
         model=search.model,
         removals=chosen.removals,
@@ -97,6 +125,7 @@ def certify(search: ProperModelSearch, candidate: Candidate | None = None) -> Ce
         tolerances=search.tolerances,
         stepping=search.stepping,
     )
+    sampled = sample_ranges(claim, ranges_of(claim, ranges), samples) if ranges else None
     runs = claim.pairs()
     measured = compare(*runs[0], claim.outputs).outputs
     return make_certificate(
@@ -105,6 +134,7 @@ def certify(search: ProperModelSearch, candidate: Candidate | None = None) -> Ce
         method="a search within tolerances",
         removed=_removed_by_search(runs[0][0].compiled, chosen, search, measured),
         predicted=chosen.predicted,
+        ranges=sampled,
     )
 
 
@@ -115,6 +145,7 @@ def make_certificate(
     method: str,
     removed: Iterable[RemovedRow],
     predicted: float | None = None,
+    ranges: SampledRanges | None = None,
 ) -> CertifiedModel:
     """The certificate of a claim, from runs of the full and the reduced model on each of its conditions."""
     full, reduced = (run.compiled for run in runs[0])
@@ -128,9 +159,10 @@ def make_certificate(
         removed=tuple(removed),
         removals=claim.removals,
         scenarios=examine(claim, runs),
+        ranges=ranges,
         stepping=claim.stepping,
         versions=versions(),
-        not_checked=_not_checked(claim),
+        not_checked=_not_checked(claim, ranges),
         recheck=RECHECK,
     )
     return CertifiedModel(
@@ -257,11 +289,15 @@ def _is_fragile(alone: Mapping[Path, float], together: Mapping[Path, float], sea
     return max(alone[p] / allowed[p] for p in alone) > FRAGILE * max(together[p] / allowed[p] for p in together)
 
 
-def _not_checked(claim: Claim) -> tuple[str, ...]:
+def _not_checked(claim: Claim, ranges: SampledRanges | None) -> tuple[str, ...]:
     """What the runs say nothing about."""
     names = ", ".join(condition.scenario.name for condition in claim.conditions)
     found = [f"scenarios other than {names}", "outputs other than those compared"]
-    found.append("parameters other than those of the model and the scenarios")
+    found.append(
+        "parameters other than those of the model and the scenarios"
+        if ranges is None
+        else "parameters outside the ranges, and between the sets that were tried"
+    )
     found.append(f"how far steps matter: both models took theirs alike ({claim.stepping})")
     if not claim.tolerances:
         found.append("tolerances: none were given, so errors are stated and not judged")

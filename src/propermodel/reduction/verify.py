@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -9,6 +10,7 @@ from propermodel.analysis.features import Undefined
 from propermodel.analysis.spectral_change import Spectrum
 from propermodel.reduction.certificate import Certificate, CertifiedOutput, CertifiedRun, CertifiedScenario
 from propermodel.reduction.certify import CertifiedModel, examine, size_of
+from propermodel.reduction.ranges import SampledRanges, repeat_samples
 
 REPEATS = 0.01  # of a number: within it, it is the same on another machine
 NOTHING = 1e-6  # of a range or of exchanged energy, likewise
@@ -73,7 +75,8 @@ def verify_certificate(certified: CertifiedModel) -> Verification:
     claim, recorded = certified.claim, certified.certificate
     runs = claim.pairs()
     full, reduced = (size_of(run.compiled) for run in runs[0])
-    found = replace(recorded, full=full, reduced=reduced, scenarios=examine(claim, runs))
+    sampled = None if recorded.ranges is None else repeat_samples(claim, recorded.ranges)
+    found = replace(recorded, full=full, reduced=reduced, scenarios=examine(claim, runs), ranges=sampled)
     return Verification(recorded=recorded, found=found, checks=tuple(_checks(recorded, found)))
 
 
@@ -84,6 +87,8 @@ def _checks(recorded: Certificate, found: Certificate) -> Iterator[Check]:
         yield _count(f"states of the {name} model", before.states, after.states)
     for before, after in zip(recorded.scenarios, found.scenarios, strict=True):
         yield from _of_scenario(before, after)
+    if recorded.ranges is not None and found.ranges is not None:
+        yield from _of_ranges(recorded.ranges, found.ranges)
 
 
 def _of_scenario(recorded: CertifiedScenario, found: CertifiedScenario) -> Iterator[Check]:
@@ -98,6 +103,16 @@ def _of_scenario(recorded: CertifiedScenario, found: CertifiedScenario) -> Itera
         yield from _of_spectrum(f"of the reduced model {where}", before.reduced, after.reduced)
         yield _count(f"critical modes lost {where}", len(before.lost), len(after.lost))
         yield _count(f"unstable modes gained {where}", len(before.gained), len(after.gained))
+
+
+def _of_ranges(recorded: SampledRanges, found: SampledRanges) -> Iterator[Check]:
+    yield _count("sets of parameters", recorded.samples, found.samples)
+    yield _count("comparisons over the ranges that say nothing", recorded.unusable, found.unusable)
+    yield _count("features over the ranges", len(recorded.worst), len(found.worst))
+    again = {(case.scenario, case.output, case.feature): case.error for case in found.worst}
+    for case in recorded.worst:
+        what = f"largest {case.feature.value} of {case.output} over the ranges on {case.scenario}"
+        yield _number(what, case.error, again.get((case.scenario, case.output, case.feature), math.nan), NOTHING)
 
 
 def _of_output(scenario: str, recorded: CertifiedOutput, found: CertifiedOutput) -> Iterator[Check]:
@@ -130,7 +145,8 @@ def _count(what: str, recorded: int, found: int) -> Check:
 
 
 def _number(what: str, recorded: float, found: float, least: float) -> Check:
-    return Check(what, recorded, found, abs(found - recorded) <= REPEATS * abs(recorded) + least)
+    holds = found == recorded or abs(found - recorded) <= REPEATS * abs(recorded) + least < math.inf
+    return Check(what, recorded, found, holds)
 
 
 def _as_text(value: float | Undefined) -> float | str:

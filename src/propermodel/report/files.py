@@ -8,7 +8,7 @@ from typing import Any
 
 from propermodel.diagnostics import Path, parse_path
 from propermodel.modelling.documents import write_model, write_scenario
-from propermodel.reduction.certificate_document import write_certificate
+from propermodel.reduction.certificate_files import write_certificate
 from propermodel.report.certify import certify_study
 from propermodel.report.study import ReductionStudy, StudySoFar
 from propermodel.report.summary import write_outputs, write_ranking, write_summary
