@@ -57,6 +57,7 @@ from propermodel.modelling import (
     Parameter,
     Port,
     Preference,
+    Prescribe,
     PseudoThermal,
     Removal,
     Resistance,
@@ -115,6 +116,8 @@ if TYPE_CHECKING:
     from propermodel.reduction.certificate import Certificate
     from propermodel.reduction.certificate_files import read_certificate, write_certificate
     from propermodel.reduction.certify import CertifiedModel, certify
+    from propermodel.reduction.part_runs import PartRuns, part_model, simulate_parts
+    from propermodel.reduction.partition import Partition, partition
     from propermodel.reduction.plan import Reduction, plan_reduction
     from propermodel.reduction.prediction import PredictedError, Prediction, predict_errors
     from propermodel.reduction.search import find_proper_model
@@ -156,6 +159,11 @@ _WHEN_USED = {
     "ReductionStudy": "report.study",
     "Sensitivities": "analysis.sensitivities",
     "SingularRemovals": "reduction.singular",
+    "Partition": "reduction.partition",
+    "partition": "reduction.partition",
+    "PartRuns": "reduction.part_runs",
+    "part_model": "reduction.part_runs",
+    "simulate_parts": "reduction.part_runs",
     "StudyOptions": "report.study",
     "SymbolicMatrices": "equations.matrices",
     "TimeResponse": "analysis.responses",
@@ -337,12 +345,18 @@ __all__ = [
     "Reduction",
     "explain_removals",
     "SingularRemovals",
+    "partition",
+    "Partition",
+    "part_model",
+    "simulate_parts",
+    "PartRuns",
     "Removal",
     "ZeroEffort",
     "ZeroFlow",
     "ConstantEffort",
     "ConstantFlow",
     "Cut",
+    "Prescribe",
     "Freeze",
     "compare",
     "Comparison",

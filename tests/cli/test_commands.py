@@ -254,6 +254,16 @@ def test_rank_of_a_window_and_without_a_check():
     assert sum(element["index"] for element in report["elements"]) == pytest.approx(1.0)
 
 
+def test_partition_tells_parts_and_cuts():
+    printed = succeed("partition", MODEL, "--step", "0.001", "--apart")
+    assert "one-way cut" in printed.splitlines()[0]
+    assert "tyre.damper.port passes the flow of" in printed
+    assert "run one after the other:" in printed
+    report = json.loads(succeed("partition", MODEL, "--step", "0.001", "--junction-tolerance", "1e-9", "--json"))
+    assert report["format"] == "propermodel-partition"
+    assert report["cuts"] == []
+
+
 def test_show_tells_the_tree_by_default():
     printed = succeed("show", MODEL)
     assert printed.splitlines()[0] == "quarter_car  QuarterCar"

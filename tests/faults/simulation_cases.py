@@ -51,6 +51,7 @@ from propermodel.reduction.ranges import ranges_of
 from propermodel.simulation.stepping import Stepping
 from tests.faults.case import Case
 from tests.parts import Fixed, Mass, SpringDamper
+from tests.reduction.rigs import listener
 
 
 class Quarter(Component):
@@ -275,6 +276,11 @@ def unknown_domain() -> object:
 
 def at_rest() -> object:
     return rank_activity(simulate(quarter(), Scenario(stop=0.1), step=1e-3))
+
+
+def part_that_listens() -> object:
+    full = simulate(compile_model(elaborate(listener())), Scenario(stop=6.0), step=1e-3, record_every=3e-3)
+    return pm.part_model(pm.partition(full, tolerance=0.05), 2)
 
 
 def stopped() -> Trajectory:
@@ -525,6 +531,12 @@ CASES = (
         run=lambda: planned(protected=["body.flange.flw"]),
         names=("body.flange.flw",),
         cure="did you mean 'body.flange.flow'?",
+    ),
+    Case(
+        code="reduction/part-signals",
+        run=part_that_listens,
+        names=("part 2", "mass"),
+        cure="with all cuts",
     ),
     Case(
         code="reduction/unknown-row",

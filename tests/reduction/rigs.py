@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from propermodel.expressions import Expr
 from propermodel.library.mechanics.rotation import Gear, RotatingInertia, RotationalSpringDamper, ViscousFriction
 from propermodel.library.mechanics.translation import Damper, Fixed, Mass, Spring, SpringDamper
-from propermodel.modelling import Component, connect
+from propermodel.modelling import Component, Input, Port, Resistance, Translation, connect, quantity
 from tests.parts import Capacitor, Coil, Ground, Resistor, Voltage
 from tests.physics.systems import Drive, Push, Shaking, system
 
@@ -116,4 +117,41 @@ def preloaded() -> Component:
         link=link,
         small=small,
         brake=brake,
+    )
+
+
+class Listening(Resistance):
+    """A damper that follows the velocity of something else."""
+
+    a, b = Port(Translation), Port(Translation)
+    port = Port(Translation, between=(a, b))
+    heard = Input("m/s")
+
+    def effort(self, flow: Expr) -> Expr:
+        return quantity(0.05, "N.s/m") * (1.0 + abs(self.heard) / quantity(1.0, "m/s")) * flow
+
+
+def listener() -> Component:
+    """A light mass on a busy one, held by a damper that listens to the busy one."""
+    shaker, link, mass, spring = (
+        Shaking(velocity=1.0, frequency=1.3),
+        Spring(stiffness=300.0),
+        Mass(mass=5.0),
+        Spring(stiffness=200.0),
+    )
+    ground, hanger, soft, small = Fixed(), Listening(), Spring(stiffness=8.0), Mass(mass=0.02)
+    return system(
+        connect(shaker.flange, link.a),
+        connect(link.b, mass.flange, spring.a, hanger.a, soft.a),
+        connect(spring.b, ground.flange),
+        connect(hanger.b, soft.b, small.flange),
+        connect(mass.flange.flow, hanger.heard),
+        shaker=shaker,
+        link=link,
+        mass=mass,
+        spring=spring,
+        ground=ground,
+        hanger=hanger,
+        soft=soft,
+        small=small,
     )

@@ -79,7 +79,7 @@ def flatten(model: Model) -> BondGraph:
     net = Net(original)
     net.probes.update(bond.felt.parent for bond in walk.activated)
     normalise(net, [])
-    make_removals(net, walk.domains, model.removals)
+    make_removals(net, walk.domains, model.removals, walk.input_table)
     normal = net.freeze()
     return BondGraph(
         model=model,

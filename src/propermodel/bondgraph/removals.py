@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from propermodel.bondgraph.graph import Bond, Element, End
 from propermodel.bondgraph.net import Net
 from propermodel.bondgraph.simplify import Zero, normalise
-from propermodel.diagnostics import Diagnostic, Faults, Path, ReductionError, one_of
+from propermodel.diagnostics import NO_SOURCE, Diagnostic, Faults, Path, ReductionError, one_of
 from propermodel.expressions.core import ZERO, Expr, SymbolKind, constant, symbol
 from propermodel.modelling.domains import DomainData
 from propermodel.modelling.model import (
@@ -20,16 +20,21 @@ from propermodel.modelling.model import (
     ElementKind,
     Freeze,
     PowerSource,
+    Prescribe,
     Removal,
     Variable,
     ZeroEffort,
     ZeroFlow,
 )
 
+NewInput = Callable[[Path, str], Expr]  # an input of the scenario over time, by its path and unit
+
 _SOURCE = {Variable.EFFORT: ElementKind.EFFORT_SOURCE, Variable.FLOW: ElementKind.FLOW_SOURCE}
 
 
-def make_removals(net: Net, domains: Mapping[str, DomainData], removals: tuple[Removal, ...]) -> None:
+def make_removals(
+    net: Net, domains: Mapping[str, DomainData], removals: tuple[Removal, ...], new_input: NewInput
+) -> None:
     """Make the removals in a net in normal form, and bring it to normal form again.
 
     A removal may name a bond that only exists once earlier removals are made (of a model reduced before), so those
@@ -63,12 +68,14 @@ def make_removals(net: Net, domains: Mapping[str, DomainData], removals: tuple[R
                         )
                     )
             break
-        normalise(net, _apply(net, domains, possible, faults))
+        normalise(net, _apply(net, domains, possible, new_input, faults))
         pending = [removal for removal in pending if removal not in possible]
     faults.raise_if_any()
 
 
-def _apply(net: Net, domains: Mapping[str, DomainData], removals: list[BondRemoval], faults: Faults) -> list[Zero]:
+def _apply(
+    net: Net, domains: Mapping[str, DomainData], removals: list[BondRemoval], new_input: NewInput, faults: Faults
+) -> list[Zero]:
     """Replace removed elements; gives the bonds that now carry no effort or no flow."""
     zeros: list[Zero] = []
     touched: dict[Path, set[Path]] = {}
@@ -76,12 +83,13 @@ def _apply(net: Net, domains: Mapping[str, DomainData], removals: list[BondRemov
         bond = net.bonds[removal.bond]
         end = bond.head if bond.head.port else bond.tail
         if end.port:
-            touched.setdefault(end.owner, set()).add(removal.bond)
-        elif not isinstance(removal, ZeroEffort | ZeroFlow):
+            if not isinstance(removal, Cut | Prescribe):
+                touched.setdefault(end.owner, set()).add(removal.bond)
+        elif isinstance(removal, ConstantEffort | ConstantFlow):
             faults.add(
                 Diagnostic(
                     "reduction/no-element",
-                    f"'{removal.bond}' joins two junctions: there is no element to drive or to hold constant",
+                    f"'{removal.bond}' joins two junctions: there is no element to hold constant",
                     help="name the bond of an element, or take the whole group away with no effort or no flow",
                 )
             )
@@ -95,8 +103,12 @@ def _apply(net: Net, domains: Mapping[str, DomainData], removals: list[BondRemov
                 variable = Variable.EFFORT if isinstance(removal, ConstantEffort) else Variable.FLOW
                 _replace_by_source(net, bond, end, variable, constant(removal.value))
             case Cut():
-                if _can_be_cut(net, bond, end, removal.driven, faults):
-                    _cut(net, domains, bond, end, removal.driven)
+                if _can_be_driven(net, bond, end, removal.driven, faults):
+                    _drive(net, domains, bond, removal.driven, None)
+            case Prescribe():
+                if _can_be_driven(net, bond, end, removal.driven, faults):
+                    unit = _unit(domains[bond.domain], removal.driven)
+                    _drive(net, domains, bond, removal.driven, new_input(bond.name / removal.driven.value, unit))
     _drop_removed_fields(net, touched, zeros, faults)
     return zeros
 
@@ -125,38 +137,55 @@ def _replace_by_source(net: Net, bond: Bond, end: End, variable: Variable, value
     net.add(new)
 
 
-def _can_be_cut(net: Net, bond: Bond, end: End, driven: Variable, faults: Faults) -> bool:
-    """Whether the element can be driven by this variable: the one that its junction shares."""
-    junction = net.junctions.get(bond.other(end.owner).owner)
-    if junction is not None and junction.kind.common is driven:
+def _can_be_driven(net: Net, bond: Bond, end: End, driven: Variable, faults: Faults) -> bool:
+    """Whether what a bond leads to can be driven by this variable: the one that the junction before it shares."""
+    if _driving_end(net, bond, driven) is not None:
         return True
-    element = net.elements[end.owner]
+    junction = net.junctions.get(bond.other(end.owner).owner)
+    element = net.elements.get(end.owner)
     what = "no junction" if junction is None else f"the {junction.kind}-junction {junction.path}"
     faults.add(
         Diagnostic(
             "reduction/cut",
             f"{bond.name} cannot be driven by the {driven} of {what}",
-            source=element.source,
+            source=NO_SOURCE if element is None else element.source,
             help="an element at a 1-junction is driven by its flow, one at a 0-junction by its effort",
         )
     )
     return False
 
 
-def _cut(net: Net, domains: Mapping[str, DomainData], bond: Bond, end: End, driven: Variable) -> None:
-    """Let the element be driven by what its junction has, without acting back."""
-    junction = net.junctions[bond.other(end.owner).owner]
-    # A source of nothing reads the junction's variable, and keeps the junction where there is no more to it.
-    probe = _add_source(net, end.owner / f"{end.port}_probe", driven.other, ZERO, bond.domain, junction.path)
-    net.probes.add(probe.name.parent)
-    kind = SymbolKind.EFFORT if driven is Variable.EFFORT else SymbolKind.FLOW
-    domain = domains[bond.domain]
-    unit = domain.effort_unit if driven is Variable.EFFORT else domain.flow_unit
-    own = junction.path / f"{end.owner.name}_driven"
+def _driving_end(net: Net, bond: Bond, driven: Variable) -> End | None:
+    """The junction at an end of a bond that shares a variable."""
+    for end in (bond.tail, bond.head):
+        junction = net.junctions.get(end.owner)
+        if junction is not None and junction.kind.common is driven:
+            return end
+    return None
+
+
+def _drive(net: Net, domains: Mapping[str, DomainData], bond: Bond, driven: Variable, given: Expr | None) -> None:
+    """Let what lies behind a bond be driven by what the junction before it has, or by an input, without acting back."""
+    near = _driving_end(net, bond, driven)
+    assert near is not None
+    junction = net.junctions[near.owner]
+    far = bond.other(junction.path)
+    base, name = (far.owner, far.port) if far.port else (bond.name.parent, bond.name.name)
+    if given is None:
+        # A source of nothing reads the junction's variable, and keeps the junction where there is no more to it.
+        probe = _add_source(net, base / f"{name}_probe", driven.other, ZERO, bond.domain, junction.path)
+        net.probes.add(probe.name.parent)
+        kind = SymbolKind.EFFORT if driven is Variable.EFFORT else SymbolKind.FLOW
+        given = symbol(kind, probe.name / driven.value, _unit(domains[bond.domain], driven))
+    mark = f"{(far.owner if far.port else bond.name).name}_driven"
+    own = net.fresh(junction.path / mark, "") if junction.path / mark in net.incident else junction.path / mark
     net.add_junction(replace(junction, path=own))
     net.move(bond.name, junction.path, own)
-    value = symbol(kind, probe.name / driven.value, unit)
-    _add_source(net, end.owner / f"{end.port}_driven", driven, value, bond.domain, own)
+    _add_source(net, base / f"{name}_driven", driven, given, bond.domain, own)
+
+
+def _unit(domain: DomainData, variable: Variable) -> str:
+    return domain.effort_unit if variable is Variable.EFFORT else domain.flow_unit
 
 
 def _add_source(net: Net, path: Path, variable: Variable, value: Expr, domain: str, junction: Path) -> Bond:

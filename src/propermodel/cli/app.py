@@ -12,6 +12,7 @@ from propermodel.cli.demo import demo
 from propermodel.cli.draw import draw
 from propermodel.cli.faults import Commands
 from propermodel.cli.linearise import linearise
+from propermodel.cli.partition import partition
 from propermodel.cli.rank import rank
 from propermodel.cli.reduce import reduce
 from propermodel.cli.run import run
@@ -43,6 +44,7 @@ app.command()(reduce)
 app.command()(verify)
 app.command()(run)
 app.command()(rank)
+app.command()(partition)
 app.command()(linearise)
 app.command()(sensitivities)
 app.command()(show)

@@ -30,6 +30,7 @@ from propermodel.modelling.model import (
     Cut,
     ElementKind,
     Model,
+    Prescribe,
     ZeroEffort,
     ZeroFlow,
 )
@@ -236,6 +237,8 @@ def _sign(whole: BondGraph, removal: BondRemoval) -> tuple[Path, Gone]:
             gone = Gone("f = const", f"its flow is constant, {value:.6g}")
         case Cut(bond, driven):
             gone = Gone("one way", f"driven by the {driven}, without acting back")
+        case Prescribe(bond, driven):
+            gone = Gone("input", f"driven by an input, its {driven}")
     found = whole.normal.bonds.get(bond) or whole.original.bonds[bond]
     owner = next((end.owner for end in (found.head, found.tail) if end.port), found.head.owner)
     return owner, gone

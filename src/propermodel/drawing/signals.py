@@ -7,12 +7,11 @@ where it acts.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, is_dataclass
-from typing import cast
 
 from propermodel.bondgraph.graph import BondGraph, Element
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import Expr, SymbolKind, leaves
+from propermodel.expressions.within import expressions_in
 from propermodel.modelling.model import JunctionKind, Variable
 
 _PHYSICAL = (
@@ -148,18 +147,3 @@ def _nearest(path: Path, among: Iterable[Path] | Mapping[Path, object]) -> Path 
         if (candidate := Path(path[:length])) in known:
             return candidate
     return None
-
-
-def expressions_in(value: object) -> list[Expr]:
-    """All expressions in the fields of plain data."""
-    found: list[Expr] = []
-    pending = [value]
-    while pending:
-        current = pending.pop()
-        if isinstance(current, Expr):
-            found.append(current)
-        elif isinstance(current, tuple):
-            pending.extend(cast("tuple[object, ...]", current))
-        elif is_dataclass(current) and not isinstance(current, type):
-            pending.extend(getattr(current, part.name) for part in fields(current))
-    return found

@@ -28,6 +28,7 @@ from propermodel.modelling.model import (
     PortData,
     PowerSource,
     Preference,
+    Prescribe,
     ResistanceLaw,
     Resistive,
     Result,
@@ -162,6 +163,7 @@ REMOVAL = tagged(
     constant_effort=(ConstantEffort, record(ConstantEffort, bond=PATH, value=FINITE)),
     constant_flow=(ConstantFlow, record(ConstantFlow, bond=PATH, value=FINITE)),
     cut=(Cut, record(Cut, bond=PATH, driven=VARIABLE)),
+    prescribe=(Prescribe, record(Prescribe, bond=PATH, driven=VARIABLE)),
     freeze=(Freeze, record(Freeze, signal=PATH, value=FINITE)),
 )
 DOMAIN = record(

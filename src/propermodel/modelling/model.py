@@ -373,7 +373,18 @@ class ConstantFlow:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """The element no longer acts on the system but is driven by it; `driven` names what it receives."""
+    """What the bond leads to no longer acts on the system but is driven by it; `driven` names what it receives.
+
+    At a bond between two junctions, the one that shares this variable drives.
+    """
+
+    bond: Path
+    driven: Variable
+
+
+@dataclass(frozen=True, slots=True)
+class Prescribe:
+    """What the bond leads to is driven by an input of the scenario, `<bond>.<driven>`, such as a recorded variable."""
 
     bond: Path
     driven: Variable
@@ -387,8 +398,8 @@ class Freeze:
     value: float
 
 
-Removal = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Freeze
-BondRemoval = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut
+Removal = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Prescribe | Freeze
+BondRemoval = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Prescribe
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from propermodel.modelling.model import (
     ConstantFlow,
     Cut,
     Freeze,
+    Prescribe,
     Removal,
     ZeroEffort,
     ZeroFlow,
@@ -26,5 +27,7 @@ def removal_text(removal: Removal) -> str:
             return f"constant flow {value:.6g} at {bond}"
         case Cut(bond, driven):
             return f"one-way cut at {bond}, which receives the {driven}"
+        case Prescribe(bond, driven):
+            return f"driven at {bond} by the input {bond}.{driven}"
         case Freeze(signal, value):
             return f"signal {signal} frozen at {value:.6g}"

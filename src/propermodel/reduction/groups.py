@@ -71,7 +71,7 @@ class GroupRules:
 
 
 @dataclass(frozen=True, slots=True)
-class _Link:
+class Link:
     """A link between two junctions with the bond at either end."""
 
     ends: tuple[Path, Path]
@@ -90,12 +90,12 @@ def find_groups(
         staying: Rows and elements that must not lie in a group.
         rules: What is small, and whether active groups may go.
     """
-    links = list(_links(evidence, rules.tolerance))
-    parts = _parts(evidence, [link for link in links if not any(link.small)])
+    links = list(links_of(evidence, rules.tolerance))
+    parts = joined(evidence, [link for link in links if not any(link.small)])
     place = {junction: number for number, part in enumerate(parts) for junction in part}
     going = {n for n, part in enumerate(parts) if not _holds(evidence, part, staying)}
     if rules.drop_driven:
-        going.discard(max(range(len(parts)), key=lambda n: _activity(evidence, parts[n]), default=-1))
+        going.discard(max(range(len(parts)), key=lambda n: activity_of(evidence, parts[n]), default=-1))
     while True:
         felt = {
             place[link.ends[side]]
@@ -106,15 +106,17 @@ def find_groups(
         if not felt & going:
             break
         going -= felt
-    components = _parts(evidence, [k for k in links if place[k.ends[0]] in going and place[k.ends[1]] in going])
+    components = joined(evidence, [k for k in links if place[k.ends[0]] in going and place[k.ends[1]] in going])
     groups = [_group(evidence, c, links) for c in components if all(place[j] in going for j in c)]
     return tuple(group for group in groups if _may_go(evidence, group, candidates, rules))
 
 
-def _links(evidence: RunEvidence, tolerance: float) -> Iterable[_Link]:
-    def link(a: Bond, at_a: Path, b: Bond, at_b: Path) -> _Link:
-        small = (_is_small(evidence, a, at_a, tolerance), _is_small(evidence, b, at_b, tolerance))
-        return _Link((at_a, at_b), (a, b), small)
+def links_of(evidence: RunEvidence, tolerance: float) -> Iterable[Link]:
+    """Every link between two junctions, and whether its term is small at either end."""
+
+    def link(a: Bond, at_a: Path, b: Bond, at_b: Path) -> Link:
+        small = (is_small(evidence, a, at_a, tolerance), is_small(evidence, b, at_b, tolerance))
+        return Link((at_a, at_b), (a, b), small)
 
     for bond in evidence.structure.bonds.values():
         if not bond.tail.port and not bond.head.port:
@@ -126,7 +128,7 @@ def _links(evidence: RunEvidence, tolerance: float) -> Iterable[_Link]:
                 yield link(a, a.other(path).owner, b, b.other(path).owner)
 
 
-def _is_small(evidence: RunEvidence, bond: Bond, junction: Path, tolerance: float) -> bool:
+def is_small(evidence: RunEvidence, bond: Bond, junction: Path, tolerance: float) -> bool:
     """Whether the junction hardly feels the term of this bond."""
     share = evidence.share(bond, junction)
     if share > tolerance:
@@ -136,7 +138,8 @@ def _is_small(evidence: RunEvidence, bond: Bond, junction: Path, tolerance: floa
     return size <= PRELOAD_SHARE or evidence.constant_share(bond, junction, variable) <= CONSTANT_GAIN * share
 
 
-def _parts(evidence: RunEvidence, links: list[_Link]) -> list[set[Path]]:
+def joined(evidence: RunEvidence, links: list[Link]) -> list[set[Path]]:
+    """The junctions that links join, part by part."""
     parent = {junction: junction for junction in evidence.structure.junctions}
 
     def find(path: Path) -> Path:
@@ -153,20 +156,22 @@ def _parts(evidence: RunEvidence, links: list[_Link]) -> list[set[Path]]:
     return list(parts.values())
 
 
-def _elements_at(evidence: RunEvidence, part: set[Path]) -> set[Path]:
+def elements_at(evidence: RunEvidence, part: set[Path]) -> set[Path]:
+    """The elements at some junctions."""
     return {bond.other(j).owner for j in part for bond in evidence.at[j] if bond.other(j).port}
 
 
 def _holds(evidence: RunEvidence, part: set[Path], staying: set[Path]) -> bool:
-    for path in _elements_at(evidence, part):
+    for path in elements_at(evidence, part):
         element = evidence.structure.elements[path]
         if path in staying or (element.kind.is_energetic and element.row in staying):
             return True
     return False
 
 
-def _activity(evidence: RunEvidence, part: set[Path]) -> float:
-    elements = _elements_at(evidence, part)
+def activity_of(evidence: RunEvidence, part: set[Path]) -> float:
+    """The activity of all energy elements at some junctions, J."""
+    elements = elements_at(evidence, part)
     return sum(
         evidence.activities[bond.name]
         for path in elements
@@ -178,19 +183,19 @@ def _activity(evidence: RunEvidence, part: set[Path]) -> float:
 def _may_go(evidence: RunEvidence, group: Group, candidates: set[Path], rules: GroupRules) -> bool:
     if not group.rows or not group.boundary:
         return False
-    inside = _elements_at(evidence, set(group.junctions))
+    inside = elements_at(evidence, set(group.junctions))
     if any(not set(r.elements) <= inside for r in evidence.compiled.system.rows if r.path in group.rows):
         return False
     if set(group.rows) <= candidates:
         return True
     if 2 * len(candidates.intersection(group.rows)) <= len(group.rows):
         return False
-    whole = _activity(evidence, set(evidence.structure.junctions))
-    return rules.drop_driven and _activity(evidence, set(group.junctions)) <= LARGEST_DRIVEN_SHARE * whole
+    whole = activity_of(evidence, set(evidence.structure.junctions))
+    return rules.drop_driven and activity_of(evidence, set(group.junctions)) <= LARGEST_DRIVEN_SHARE * whole
 
 
-def _group(evidence: RunEvidence, part: set[Path], links: list[_Link]) -> Group:
-    elements = _elements_at(evidence, part)
+def _group(evidence: RunEvidence, part: set[Path], links: list[Link]) -> Group:
+    elements = elements_at(evidence, part)
     rows = tuple(r.path for r in evidence.compiled.system.rows if any(path in elements for path in r.elements))
     edge: dict[Removal, None] = {}
     boundary: list[Boundary] = []
@@ -200,12 +205,13 @@ def _group(evidence: RunEvidence, part: set[Path], links: list[_Link]) -> Group:
             if inner in part and outer not in part:
                 bond = link.bonds[1 - side]
                 boundary.append(Boundary(bond.name, outer, evidence.share(bond, outer)))
-                edge[_deletion(evidence, bond, outer)] = None
+                edge[deletion(evidence, bond, outer)] = None
     removals = dict.fromkeys([*edge, *_inner_removals(evidence, part, elements)])
     return Group(rows, tuple(sorted(part)), tuple(boundary), tuple(removals), _meaning(list(edge), rows))
 
 
-def _deletion(evidence: RunEvidence, bond: Bond, junction: Path) -> Removal:
+def deletion(evidence: RunEvidence, bond: Bond, junction: Path) -> ZeroEffort | ZeroFlow:
+    """The removal that takes the term of a bond out of the sum of a junction."""
     is_one = evidence.structure.junctions[junction].kind is JunctionKind.ONE
     return ZeroEffort(bond.name) if is_one else ZeroFlow(bond.name)
 
@@ -222,7 +228,7 @@ def _meaning(edge: list[Removal], rows: tuple[Path, ...]) -> str:
 def _inner_removals(evidence: RunEvidence, part: set[Path], elements: set[Path]) -> list[Removal]:
     """Inside, every element is deleted by the rule of its junction; most are idle already."""
     return [
-        _deletion(evidence, bond, bond.other(path).owner)
+        deletion(evidence, bond, bond.other(path).owner)
         for path in sorted(elements)
         if evidence.structure.elements[path].kind.is_energetic
         for bond in evidence.at[path]

@@ -11,13 +11,13 @@ import numpy as np
 from propermodel.analysis.activity import ActivityRanking, ActivityRow
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, ReductionError, one_of
-from propermodel.expressions.core import Expr, leaves
+from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
-from propermodel.reduction.freezing import OBSERVED
 from propermodel.reduction.groups import Group, GroupRules, find_groups
 from propermodel.reduction.judging import Judge, Rules, removals_of
 from propermodel.reduction.lost_modes import ModeWatch, told
+from propermodel.reduction.reading import elements_of_outputs
 from propermodel.reduction.single import PRELOAD_SHARE, Proposal, Refusal, propose, propose_constant
 from propermodel.reduction.singular import Twin
 from propermodel.reduction.ways import Way, ways_of
@@ -193,7 +193,7 @@ def _propose(
 ) -> tuple[list[Proposal], tuple[Group, ...]]:
     by_row = {row.path: row for row in ranking.rows}
     constants = [p for row in candidates if (p := propose_constant(evidence, row, rules.tolerance)) is not None]
-    protected = _protected_elements(evidence, rules.protected)
+    protected = elements_of_outputs(evidence.compiled.graph, rules.protected)
     while True:
         settled = {path for p in constants for path in p.rows}
         open_rows = {row.path for row in candidates} - settled
@@ -212,39 +212,6 @@ def _propose(
         *(group.proposal(tuple(by_row[path] for path in group.rows)) for group in groups),
         *(propose(evidence, row, rules.tolerance) for row in singles),
     ], groups
-
-
-def _protected_elements(evidence: RunEvidence, protected: tuple[Path, ...]) -> set[Path]:
-    """The elements that protected outputs look at, directly or through signals, but not through physics."""
-    graph = evidence.compiled.graph
-    rates = {state.symbol: state.derivative for state in graph.signal_states}
-    by_path = {leaf.data.path: leaf for leaf in (*graph.signals, *rates)}
-    pending: list[Expr] = [by_path[path] for path in protected if path in by_path]
-    looked_at = {path.parent for path in protected if path not in by_path}
-    seen: set[Expr] = set()
-    while pending:
-        leaf = pending.pop()
-        if leaf in seen:
-            continue
-        seen.add(leaf)
-        value = graph.signals.get(leaf, rates.get(leaf))
-        if value is not None:
-            pending.extend(leaves(value))
-        elif leaf.data.kind in OBSERVED:
-            looked_at.add(leaf.data.path.parent)
-    bonds = {bond for path in looked_at for bond in (path, *_inside(evidence, path))}
-    elements = graph.normal.elements
-    found = {path for path in looked_at if path in elements}
-    for bond in evidence.structure.bonds.values():
-        if bond.name in bonds:
-            found.update(end.owner for end in (bond.tail, bond.head) if end.port)
-    # What an output looks at is a sum or a flow at these elements; two-ports lead on to parts that it does not see.
-    return {path for path in found if elements[path].kind.is_energetic}
-
-
-def _inside(evidence: RunEvidence, port: Path) -> tuple[Path, ...]:
-    node = evidence.compiled.graph.node_ports.get(port)
-    return node.inside if node is not None else ()
 
 
 def _assemble(
