@@ -3,7 +3,7 @@
 #   make demo    a worked example, results in out/demo
 #   make check   style, types, direction of imports
 #   make test    the tests
-#   make test-browser  the front end: types, tests, and whether the committed build is its own (needs Node)
+#   make test-browser  the front end: types, tests, its committed build, pages in a browser (needs Node, Chromium)
 #   make docs    the documentation, in docs/_build/html
 #   make bench   the measurements of docs/performance.md, which takes about an hour
 #   make setup   only the virtual environment
@@ -47,9 +47,11 @@ test: $(STAMP)
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 # Users need no Node: what is built is committed, and must be what its sources give.
-test-browser:
+test-browser: $(STAMP)
 	cd web && npm ci --no-audit --no-fund && npm run check && npm run test && npm run build
-	git diff --exit-code --stat -- src/propermodel/drawing/assets
+	git diff --exit-code --stat -- src/propermodel/drawing/assets src/propermodel/report/assets
+	$(BIN)/python -m tests.browser.pages
+	cd web && npm run browser
 
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html

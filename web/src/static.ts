@@ -1,9 +1,10 @@
 /**
  * Drawing without a page: one function for JavaScript engines that have no document, such as the one inside Python.
  *
- * `ELK` is the layout engine, loaded before this script and left as it is.
+ * The worker of ELK is loaded before this script and left as it is; here it runs in place.
  */
 
+import ELK from "elkjs/lib/elk-api.js";
 import { draw } from "./graph/draw.ts";
 import { fold, openTo } from "./graph/fold.ts";
 import { place, type Direction, type Placer } from "./graph/layout.ts";
@@ -18,7 +19,7 @@ interface StaticOptions {
   readonly direction: Direction;
 }
 
-declare const ELK: new () => Placer;
+declare const ElkWorker: new () => Worker;
 
 /** The SVG text of a picture; both arguments are JSON texts. */
 async function drawPicture(document: string, options: string): Promise<string> {
@@ -26,7 +27,8 @@ async function drawPicture(document: string, options: string): Promise<string> {
   const wanted = JSON.parse(options) as StaticOptions;
   const open = openTo(picture, wanted.depth);
   for (const path of wanted.open) open.add(path);
-  const layout = await place(fold(picture, open), new ELK(), wanted.direction);
+  const placer = new ELK({ workerFactory: () => new ElkWorker() }) as unknown as Placer;
+  const layout = await place(fold(picture, open), placer, wanted.direction);
   return draw(picture, layout, { theme: wanted.theme, legend: wanted.legend });
 }
 

@@ -22,6 +22,9 @@ globalThis.runWaiting = () => {
   tasks.forEach((task) => task());
   return tasks.length;
 };
+globalThis.document = {};  // so that the layout engine does not take this for a worker
+globalThis.exports = {};
+globalThis.module = { exports };
 globalThis.answer = null;
 globalThis.keep = (promise) => {
   answer = null;
@@ -73,6 +76,7 @@ def _started() -> Any:
     context: Any = quickjs.Context()
     context.eval(_SURROUNDINGS)
     assets = resources.files("propermodel.drawing") / "assets"
-    for name in ("elk.bundled.js", "drawing.js"):
-        context.eval((assets / name).read_text(encoding="utf-8"))
+    context.eval((assets / "elk-worker.min.js").read_text(encoding="utf-8"))
+    context.eval("globalThis.ElkWorker = module.exports.Worker")
+    context.eval((assets / "drawing.js").read_text(encoding="utf-8"))
     return context

@@ -14,12 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from propermodel.codegen.machine import FloatArray
-from propermodel.diagnostics import parse_path
-from propermodel.modelling.model import TableValues
 from propermodel.reduction.plan import Verdict
-from propermodel.report.panels import Display, Panel, Series, display_for, display_of
+from propermodel.report.panels import Display, Panel, display_for, display_of
 from propermodel.report.study import ReductionStudy
+from propermodel.report.timeline import column_of
 from propermodel.simulation.trajectory import Trajectory
 
 BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -187,7 +185,7 @@ def draw_mission(run: Trajectory, panels: tuple[Panel, ...], file: FilePath) -> 
     with _figure(9.0, 1.75 * len(panels) + 0.5, file) as figure:
         rows = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
         for axes, panel in zip(rows, panels, strict=True):
-            columns = [_series(run, series) for series in panel.series]
+            columns = [column_of(run, series) for series in panel.series]
             size = max(float(np.max(np.abs(values), initial=0.0)) for _, values, _ in columns)
             unit = columns[0][2]
             shown = Display(panel.unit, 1.0) if panel.unit else display_for(unit, size)
@@ -204,15 +202,6 @@ def draw_mission(run: Trajectory, panels: tuple[Panel, ...], file: FilePath) -> 
         rows[-1].set_xlabel("time, s")
         rows[-1].set_xlim(float(run.time[0]), float(run.time[-1]))
         figure.align_ylabels(list(rows))
-
-
-def _series(run: Trajectory, series: Series) -> tuple[FloatArray, FloatArray, str]:
-    path = parse_path(series.path)
-    given = run.scenario.inputs.get(path, run.scenario.tables.get(path))
-    if path not in run and isinstance(given, TableValues) and len(given.grids) == 1:
-        unit = run.compiled.graph.tables[path].spec.unit
-        return run.time, np.interp(run.time, given.grids[0], given.values), unit
-    return run.time, run[path], run.unit(path)
 
 
 def _unit_text(shown: Display) -> str:

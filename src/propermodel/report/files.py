@@ -10,6 +10,7 @@ from propermodel.diagnostics import Path, parse_path
 from propermodel.modelling.documents import write_model, write_scenario
 from propermodel.reduction.certificate_files import write_certificate
 from propermodel.report.certify import certify_study
+from propermodel.report.page import write_page
 from propermodel.report.study import ReductionStudy, StudySoFar
 from propermodel.report.summary import write_outputs, write_ranking, write_summary
 from propermodel.simulation.storage import save_trajectory
@@ -33,11 +34,14 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
     write_ranking(study.reduction, folder / "ranking.csv")
     write_outputs(study, folder / "outputs.csv")
     figures = write_figures(study, folder)
-    write_certificate(certify_study(study), folder)
+    certified = certify_study(study)
+    write_certificate(certified, folder)
+    write_page(study, certified.certificate, folder / "report.html")
     write_scenario(study.reduced.scenario, folder / "reduced_scenario.json")
     save_trajectory(study.full, folder / "full.npz", only=_worth_keeping(study, study.full))
     save_trajectory(study.reduced, folder / "reduced.npz", only=_worth_keeping(study, study.reduced))
     return summary, (
+        WrittenFile("report.html", "everything of this study in one page, to be mailed and opened anywhere"),
         *(WrittenFile(figure.name, figure.meaning) for figure in figures),
         WrittenFile("summary.json", "the numbers of the study"),
         WrittenFile("ranking.csv", "activity and decision of every element"),

@@ -74,7 +74,7 @@ def summarise(study: ReductionStudy) -> dict[str, Json]:
     }
     if "fuel_kg" in totals:
         summary["fuel_kg"] = {key: totals["fuel_kg"][key] for key in ("full", "reduced", "error_percent")}
-    return _finite(summary)
+    return finite(summary)
 
 
 def write_summary(study: ReductionStudy, file: FilePath) -> dict[str, Json]:
@@ -186,14 +186,14 @@ def _best_steps(best: BestSteps) -> dict[str, Json]:
     }
 
 
-def _finite(data: Json) -> Json:
+def finite(data: Json) -> Json:
     """The data with null in place of numbers that JSON cannot hold."""
     match data:
         case float():
             return data if math.isfinite(data) else None
         case Mapping():
-            return {key: _finite(value) for key, value in data.items()}
+            return {key: finite(value) for key, value in data.items()}
         case list():
-            return [_finite(value) for value in data]
+            return [finite(value) for value in data]
         case _:
             return data

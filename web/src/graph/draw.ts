@@ -22,12 +22,14 @@ import { escaped, number, tag } from "./xml.ts";
 export interface DrawingOptions {
   readonly theme: Theme;
   readonly legend: boolean;
+  /** Rows that a threshold would take away. */
+  readonly below?: ReadonlySet<string>;
 }
 
 /** Draw a layout. */
 export function draw(picture: Picture, layout: Layout, options: DrawingOptions): string {
   const colours = COLOURS[options.theme];
-  const pen = new Pen(picture, colours, options.theme);
+  const pen = new Pen(picture, colours, options.theme, options.below ?? new Set());
   const width = Math.max(layout.width, options.legend ? LEGEND_WIDTH : 0);
   const height = layout.height + (options.legend ? LEGEND_HEIGHT : 0);
   const body = [
@@ -63,6 +65,7 @@ class Pen {
     picture: Picture,
     private readonly colours: Colours,
     private readonly theme: Theme,
+    private readonly below: ReadonlySet<string>,
   ) {
     this.activity = picture.activity;
     this.greatest = Math.max(1e-300, ...Object.values(picture.activity?.bonds ?? {}));
@@ -140,7 +143,7 @@ class Pen {
     const node = spot.node;
     if (node === undefined) return "";
     const share = node.row === undefined ? undefined : this.activity?.rows[node.row];
-    const isGone = node.gone !== undefined;
+    const isGone = node.gone !== undefined || (node.row !== undefined && this.below.has(node.row));
     const fill = isGone || share === undefined ? this.colours.element : activityColour(share);
     const ink = isGone ? this.colours.quiet : share === undefined ? this.colours.ink : lettersOn(fill);
     const parts = [tag("title", {}, escaped(this.words(spot, share)))];
@@ -168,7 +171,12 @@ class Pen {
       );
     }
     if (node.gone !== undefined) parts.push(this.badge(spot, node.gone.sign));
-    return tag("g", { class: isGone ? "node gone" : "node", "data-id": node.path, "data-kind": node.kind }, parts.join(""));
+    const row: Record<string, string> = node.row === undefined ? {} : { "data-row": node.row };
+    return tag(
+      "g",
+      { class: isGone ? "node gone" : "node", "data-id": node.path, "data-kind": node.kind, ...row },
+      parts.join(""),
+    );
   }
 
   private closed(spot: Spot, closed: Closed): string {

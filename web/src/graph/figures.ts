@@ -149,11 +149,16 @@ function singleFigure(node: Node, bonds: number): Figure {
   };
 }
 
+/** What a closed group tells of what is in it. */
+export function noteOf(closed: Closed): string {
+  if (closed.rows === 0) return "";
+  if (closed.kept < closed.rows) return `${closed.kept} of ${closed.rows} kept`;
+  return `${closed.rows} ${closed.rows === 1 ? "element" : "elements"}`;
+}
+
 function closedFigure(closed: Closed, bonds: number): Figure {
   const label = shortened(closed.name, 28);
-  const note = closed.rows === 0 ? "" : closed.kept < closed.rows
-    ? `${closed.kept} of ${closed.rows} kept`
-    : `${closed.rows} ${closed.rows === 1 ? "element" : "elements"}`;
+  const note = noteOf(closed);
   const width = Math.ceil(Math.max(90, widthOf(label, TITLE, true) + 44, widthOf(note, NOTE) + 24));
   const height = Math.max(48, PORT * (bonds + 1));
   const id = `group:${closed.path}`;

@@ -55,8 +55,11 @@ export function openTo(picture: Picture, depth: number): Set<string> {
   );
 }
 
-/** Fold a picture: only what is in open groups is visible, and closed groups in them. */
-export function fold(picture: Picture, open: ReadonlySet<string>): Visible {
+/**
+ * Fold a picture: only what is in open groups is visible, and closed groups in them. Rows below a threshold count as gone
+ * where a closed group tells how many are kept.
+ */
+export function fold(picture: Picture, open: ReadonlySet<string>, below: ReadonlySet<string> = new Set()): Visible {
   const hierarchy = new Hierarchy(picture);
   const shownAs = new Map<string, string>();
   const standing = new Map<string, Node[]>();
@@ -77,7 +80,7 @@ export function fold(picture: Picture, open: ReadonlySet<string>): Visible {
     hierarchy.lineage(group.path).every((at) => at.path === "" || open.has(at.path));
   const closed = picture.groups
     .filter((group) => standing.has(group.path))
-    .map((group) => closedGroup(picture, group, standing.get(group.path) ?? []));
+    .map((group) => closedGroup(picture, group, standing.get(group.path) ?? [], below));
   const place = (path: string): string => shownAs.get(path) ?? path;
   const bonds = picture.bonds
     .map((bond) => ({ bond, tail: place(bond.tail), head: place(bond.head) }))
@@ -94,11 +97,11 @@ export function fold(picture: Picture, open: ReadonlySet<string>): Visible {
   return { picture, groups: picture.groups.filter(isShown), nodes, closed, bonds, signals };
 }
 
-function closedGroup(picture: Picture, group: Group, inside: readonly Node[]): Closed {
+function closedGroup(picture: Picture, group: Group, inside: readonly Node[], below: ReadonlySet<string>): Closed {
   const rows = new Map<string, boolean>();
   for (const node of inside) {
     if (!isEnergetic(node.kind) || node.row === undefined) continue;
-    rows.set(node.row, (rows.get(node.row) ?? false) || node.gone === undefined);
+    rows.set(node.row, (rows.get(node.row) ?? false) || (node.gone === undefined && !below.has(node.row)));
   }
   let share = 0;
   for (const row of rows.keys()) share += picture.activity?.rows[row] ?? 0;

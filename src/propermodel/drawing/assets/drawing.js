@@ -1,5 +1,268 @@
 (function() {
+	// \0rolldown/runtime.js
+	var __create = Object.create;
+	var __defProp = Object.defineProperty;
+	var __getOwnPropDesc = Object.getOwnPropertyDescriptor;
+	var __getOwnPropNames = Object.getOwnPropertyNames;
+	var __getProtoOf = Object.getPrototypeOf;
+	var __hasOwnProp = Object.prototype.hasOwnProperty;
+	var __commonJSMin = (cb, mod) => () => (mod || (cb((mod = { exports: {} }).exports, mod, mod.exports), cb = null), mod.exports);
+	var __copyProps = (to, from, except, desc) => {
+		if (from && typeof from === "object" || typeof from === "function") for (var keys = __getOwnPropNames(from), i = 0, n = keys.length, key; i < n; i++) {
+			key = keys[i];
+			if (!__hasOwnProp.call(to, key) && key !== except) __defProp(to, key, {
+				get: ((k) => from[k]).bind(null, key),
+				enumerable: !(desc = __getOwnPropDesc(from, key)) || desc.enumerable
+			});
+		}
+		return to;
+	};
+	var __toESM = (mod, isNodeMode, target) => (target = mod != null ? __create(__getProtoOf(mod)) : {}, __copyProps(isNodeMode || !mod || !mod.__esModule || !__hasOwnProp.call(mod, "default") ? __defProp(target, "default", {
+		value: mod,
+		enumerable: true
+	}) : target, mod));
 	// src/graph/picture.ts
+	var import_elk_api = /* @__PURE__ */ __toESM((/* @__PURE__ */ __commonJSMin(((exports, module) => {
+		(function(f) {
+			if (typeof exports === "object" && typeof module !== "undefined") module.exports = f();
+			else if (typeof define === "function" && define.amd) define([], f);
+			else {
+				var g;
+				if (typeof window !== "undefined") g = window;
+				else if (typeof global !== "undefined") g = global;
+				else if (typeof self !== "undefined") g = self;
+				else g = this;
+				g.ELK = f();
+			}
+		})(function() {
+			return (function() {
+				function r(e, n, t) {
+					function o(i, f) {
+						if (!n[i]) {
+							if (!e[i]) {
+								var c = "function" == typeof require && require;
+								if (!f && c) return c(i, !0);
+								if (u) return u(i, !0);
+								var a = /* @__PURE__ */ new Error("Cannot find module '" + i + "'");
+								throw a.code = "MODULE_NOT_FOUND", a;
+							}
+							var p = n[i] = { exports: {} };
+							e[i][0].call(p.exports, function(r) {
+								var n = e[i][1][r];
+								return o(n || r);
+							}, p, p.exports, r, e, n, t);
+						}
+						return n[i].exports;
+					}
+					for (var u = "function" == typeof require && require, i = 0; i < t.length; i++) o(t[i]);
+					return o;
+				}
+				return r;
+			})()({
+				1: [function(require, module, exports) {
+					"use strict";
+					Object.defineProperty(exports, "__esModule", { value: true });
+					exports["default"] = void 0;
+					function _typeof(o) {
+						"@babel/helpers - typeof";
+						return _typeof = "function" == typeof Symbol && "symbol" == typeof Symbol.iterator ? function(o) {
+							return typeof o;
+						} : function(o) {
+							return o && "function" == typeof Symbol && o.constructor === Symbol && o !== Symbol.prototype ? "symbol" : typeof o;
+						}, _typeof(o);
+					}
+					function _classCallCheck(a, n) {
+						if (!(a instanceof n)) throw new TypeError("Cannot call a class as a function");
+					}
+					function _defineProperties(e, r) {
+						for (var t = 0; t < r.length; t++) {
+							var o = r[t];
+							o.enumerable = o.enumerable || !1, o.configurable = !0, "value" in o && (o.writable = !0), Object.defineProperty(e, _toPropertyKey(o.key), o);
+						}
+					}
+					function _createClass(e, r, t) {
+						return r && _defineProperties(e.prototype, r), t && _defineProperties(e, t), Object.defineProperty(e, "prototype", { writable: !1 }), e;
+					}
+					function _toPropertyKey(t) {
+						var i = _toPrimitive(t, "string");
+						return "symbol" == _typeof(i) ? i : i + "";
+					}
+					function _toPrimitive(t, r) {
+						if ("object" != _typeof(t) || !t) return t;
+						var e = t[Symbol.toPrimitive];
+						if (void 0 !== e) {
+							var i = e.call(t, r || "default");
+							if ("object" != _typeof(i)) return i;
+							throw new TypeError("@@toPrimitive must return a primitive value.");
+						}
+						return ("string" === r ? String : Number)(t);
+					}
+					exports["default"] = /*#__PURE__*/ function() {
+						function ELK() {
+							var _this = this;
+							var _ref = arguments.length > 0 && arguments[0] !== void 0 ? arguments[0] : {}, _ref$defaultLayoutOpt = _ref.defaultLayoutOptions, defaultLayoutOptions = _ref$defaultLayoutOpt === void 0 ? {} : _ref$defaultLayoutOpt, _ref$algorithms = _ref.algorithms, algorithms = _ref$algorithms === void 0 ? [
+								"layered",
+								"stress",
+								"mrtree",
+								"radial",
+								"force",
+								"disco",
+								"sporeOverlap",
+								"sporeCompaction",
+								"rectpacking"
+							] : _ref$algorithms, workerFactory = _ref.workerFactory, workerUrl = _ref.workerUrl;
+							_classCallCheck(this, ELK);
+							this.defaultLayoutOptions = defaultLayoutOptions;
+							this.initialized = false;
+							if (typeof workerUrl === "undefined" && typeof workerFactory === "undefined") throw new Error("Cannot construct an ELK without both 'workerUrl' and 'workerFactory'.");
+							var factory = workerFactory;
+							if (typeof workerUrl !== "undefined" && typeof workerFactory === "undefined") factory = function factory(url) {
+								return new Worker(url);
+							};
+							var worker = factory(workerUrl);
+							if (typeof worker.postMessage !== "function") throw new TypeError("Created worker does not provide the required 'postMessage' function.");
+							this.worker = new PromisedWorker(worker);
+							this.worker.postMessage({
+								cmd: "register",
+								algorithms
+							}).then(function(r) {
+								return _this.initialized = true;
+							})["catch"](console.err);
+						}
+						return _createClass(ELK, [
+							{
+								key: "layout",
+								value: function layout(graph) {
+									var _ref2 = arguments.length > 1 && arguments[1] !== void 0 ? arguments[1] : {}, _ref2$layoutOptions = _ref2.layoutOptions, layoutOptions = _ref2$layoutOptions === void 0 ? this.defaultLayoutOptions : _ref2$layoutOptions, _ref2$logging = _ref2.logging, logging = _ref2$logging === void 0 ? false : _ref2$logging, _ref2$measureExecutio = _ref2.measureExecutionTime, measureExecutionTime = _ref2$measureExecutio === void 0 ? false : _ref2$measureExecutio;
+									if (!graph) return Promise.reject(/* @__PURE__ */ new Error("Missing mandatory parameter 'graph'."));
+									return this.worker.postMessage({
+										cmd: "layout",
+										graph,
+										layoutOptions,
+										options: {
+											logging,
+											measureExecutionTime
+										}
+									});
+								}
+							},
+							{
+								key: "knownLayoutAlgorithms",
+								value: function knownLayoutAlgorithms() {
+									return this.worker.postMessage({ cmd: "algorithms" });
+								}
+							},
+							{
+								key: "knownLayoutOptions",
+								value: function knownLayoutOptions() {
+									return this.worker.postMessage({ cmd: "options" });
+								}
+							},
+							{
+								key: "knownLayoutCategories",
+								value: function knownLayoutCategories() {
+									return this.worker.postMessage({ cmd: "categories" });
+								}
+							},
+							{
+								key: "terminateWorker",
+								value: function terminateWorker() {
+									if (this.worker) this.worker.terminate();
+								}
+							}
+						]);
+					}();
+					var PromisedWorker = /*#__PURE__*/ function() {
+						function PromisedWorker(worker) {
+							var _this2 = this;
+							_classCallCheck(this, PromisedWorker);
+							if (worker === void 0) throw new Error("Missing mandatory parameter 'worker'.");
+							this.resolvers = {};
+							this.worker = worker;
+							this.worker.onmessage = function(answer) {
+								setTimeout(function() {
+									_this2.receive(_this2, answer);
+								}, 0);
+							};
+						}
+						return _createClass(PromisedWorker, [
+							{
+								key: "postMessage",
+								value: function postMessage(msg) {
+									var id = this.id || 0;
+									this.id = id + 1;
+									msg.id = id;
+									var self = this;
+									return new Promise(function(resolve, reject) {
+										self.resolvers[id] = function(err, res) {
+											if (err) {
+												self.convertGwtStyleError(err);
+												reject(err);
+											} else resolve(res);
+										};
+										self.worker.postMessage(msg);
+									});
+								}
+							},
+							{
+								key: "receive",
+								value: function receive(self, answer) {
+									var json = answer.data;
+									var resolver = self.resolvers[json.id];
+									if (resolver) {
+										delete self.resolvers[json.id];
+										if (json.error) resolver(json.error);
+										else resolver(null, json.data);
+									}
+								}
+							},
+							{
+								key: "terminate",
+								value: function terminate() {
+									if (this.worker) this.worker.terminate();
+								}
+							},
+							{
+								key: "convertGwtStyleError",
+								value: function convertGwtStyleError(err) {
+									if (!err) return;
+									var javaException = err["__java$exception"];
+									if (javaException) {
+										if (javaException.cause && javaException.cause.backingJsObject) {
+											err.cause = javaException.cause.backingJsObject;
+											this.convertGwtStyleError(err.cause);
+										}
+										delete err["__java$exception"];
+									}
+								}
+							}
+						]);
+					}();
+				}, {}],
+				2: [function(require, module, exports) {
+					"use strict";
+					/*******************************************************************************
+					* Copyright (c) 2021 Kiel University and others.
+					* 
+					* This program and the accompanying materials are made available under the
+					* terms of the Eclipse Public License 2.0 which is available at
+					* https://www.eclipse.org/legal/epl-2.0.
+					* 
+					* This Source Code may also be made available under the following Secondary
+					* Licenses when the conditions for such availability set forth in the Eclipse
+					* Public License v. 2.0 are satisfied: GPL-3.0 which is available at
+					* https://www.gnu.org/licenses/gpl-3.0-standalone.html.
+					*
+					* SPDX-License-Identifier: EPL-2.0 OR GPL-3.0-or-later
+					*******************************************************************************/
+					var ELK = require("./elk-api.js")["default"];
+					Object.defineProperty(module.exports, "__esModule", { value: true });
+					module.exports = ELK;
+					ELK["default"] = ELK;
+				}, { "./elk-api.js": 1 }]
+			}, {}, [2])(2);
+		});
+	})))(), 1);
 	var isJunction = (node) => node.kind === "0" || node.kind === "1";
 	var isStorage = (kind) => kind === "I" || kind === "C";
 	var isEnergetic = (kind) => isStorage(kind) || kind === "R" || kind === "MR";
@@ -222,9 +485,15 @@
 			middle: height / 2
 		};
 	}
+	/** What a closed group tells of what is in it. */
+	function noteOf(closed) {
+		if (closed.rows === 0) return "";
+		if (closed.kept < closed.rows) return `${closed.kept} of ${closed.rows} kept`;
+		return `${closed.rows} ${closed.rows === 1 ? "element" : "elements"}`;
+	}
 	function closedFigure(closed, bonds) {
 		const label = shortened(closed.name, 28);
-		const note = closed.rows === 0 ? "" : closed.kept < closed.rows ? `${closed.kept} of ${closed.rows} kept` : `${closed.rows} ${closed.rows === 1 ? "element" : "elements"}`;
+		const note = noteOf(closed);
 		const width = Math.ceil(Math.max(90, widthOf(label, 13, true) + 44, widthOf(note, 10) + 24));
 		const height = Math.max(48, 16 * (bonds + 1));
 		const id = `group:${closed.path}`;
@@ -471,7 +740,7 @@
 	/** Draw a layout. */
 	function draw(picture, layout, options) {
 		const colours = COLOURS[options.theme];
-		const pen = new Pen(picture, colours, options.theme);
+		const pen = new Pen(picture, colours, options.theme, options.below ?? /* @__PURE__ */ new Set());
 		const width = Math.max(layout.width, options.legend ? 620 : 0);
 		const height = layout.height + (options.legend ? 58 : 0);
 		const body = [
@@ -501,11 +770,13 @@
 	var Pen = class {
 		colours;
 		theme;
+		below;
 		activity;
 		greatest;
-		constructor(picture, colours, theme) {
+		constructor(picture, colours, theme, below) {
 			this.colours = colours;
 			this.theme = theme;
+			this.below = below;
 			this.activity = picture.activity;
 			this.greatest = Math.max(1e-300, ...Object.values(picture.activity?.bonds ?? {}));
 		}
@@ -626,7 +897,7 @@
 			const node = spot.node;
 			if (node === void 0) return "";
 			const share = node.row === void 0 ? void 0 : this.activity?.rows[node.row];
-			const isGone = node.gone !== void 0;
+			const isGone = node.gone !== void 0 || node.row !== void 0 && this.below.has(node.row);
 			const fill = isGone || share === void 0 ? this.colours.element : activityColour(share);
 			const ink = isGone ? this.colours.quiet : share === void 0 ? this.colours.ink : lettersOn(fill);
 			const parts = [tag("title", {}, escaped(this.words(spot, share)))];
@@ -659,10 +930,12 @@
 				}));
 			}
 			if (node.gone !== void 0) parts.push(this.badge(spot, node.gone.sign));
+			const row = node.row === void 0 ? {} : { "data-row": node.row };
 			return tag("g", {
 				class: isGone ? "node gone" : "node",
 				"data-id": node.path,
-				"data-kind": node.kind
+				"data-kind": node.kind,
+				...row
 			}, parts.join(""));
 		}
 		closed(spot, closed) {
@@ -767,8 +1040,11 @@
 		const hierarchy = new Hierarchy(picture);
 		return new Set(picture.groups.map((group) => group.path).filter((path) => hierarchy.lineage(path).length - 1 <= depth));
 	}
-	/** Fold a picture: only what is in open groups is visible, and closed groups in them. */
-	function fold(picture, open) {
+	/**
+	* Fold a picture: only what is in open groups is visible, and closed groups in them. Rows below a threshold count as gone
+	* where a closed group tells how many are kept.
+	*/
+	function fold(picture, open, below = /* @__PURE__ */ new Set()) {
 		const hierarchy = new Hierarchy(picture);
 		const shownAs = /* @__PURE__ */ new Map();
 		const standing = /* @__PURE__ */ new Map();
@@ -786,7 +1062,7 @@
 			}
 		}
 		const isShown = (group) => hierarchy.lineage(group.path).every((at) => at.path === "" || open.has(at.path));
-		const closed = picture.groups.filter((group) => standing.has(group.path)).map((group) => closedGroup(picture, group, standing.get(group.path) ?? []));
+		const closed = picture.groups.filter((group) => standing.has(group.path)).map((group) => closedGroup(picture, group, standing.get(group.path) ?? [], below));
 		const place = (path) => shownAs.get(path) ?? path;
 		const bonds = picture.bonds.map((bond) => ({
 			bond,
@@ -814,11 +1090,11 @@
 			signals
 		};
 	}
-	function closedGroup(picture, group, inside) {
+	function closedGroup(picture, group, inside, below) {
 		const rows = /* @__PURE__ */ new Map();
 		for (const node of inside) {
 			if (!isEnergetic(node.kind) || node.row === void 0) continue;
-			rows.set(node.row, (rows.get(node.row) ?? false) || node.gone === void 0);
+			rows.set(node.row, (rows.get(node.row) ?? false) || node.gone === void 0 && !below.has(node.row));
 		}
 		let share = 0;
 		for (const row of rows.keys()) share += picture.activity?.rows[row] ?? 0;
@@ -1196,7 +1472,7 @@
 	/**
 	* Drawing without a page: one function for JavaScript engines that have no document, such as the one inside Python.
 	*
-	* `ELK` is the layout engine, loaded before this script and left as it is.
+	* The worker of ELK is loaded before this script and left as it is; here it runs in place.
 	*/
 	/** The SVG text of a picture; both arguments are JSON texts. */
 	async function drawPicture(document, options) {
@@ -1204,7 +1480,8 @@
 		const wanted = JSON.parse(options);
 		const open = openTo(picture, wanted.depth);
 		for (const path of wanted.open) open.add(path);
-		return draw(picture, await place(fold(picture, open), new ELK(), wanted.direction), {
+		const placer = new import_elk_api.default({ workerFactory: () => new ElkWorker() });
+		return draw(picture, await place(fold(picture, open), placer, wanted.direction), {
 			theme: wanted.theme,
 			legend: wanted.legend
 		});

@@ -1,0 +1,59 @@
+"""Pages for the tests in a browser, and what Python says that they must show.
+
+`python -m tests.browser.pages` writes them to `out/browser`.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+
+from propermodel.cli.models import load_subject
+from propermodel.drawing.depict import depict
+from propermodel.report.certify import certify_study
+from propermodel.report.page import write_page
+from propermodel.report.study import ReductionStudy, StudyOptions, run_study
+from tests.drawing.pictures import ROOT
+
+FOLDER = ROOT / "out" / "browser"
+
+
+def quarter_car() -> ReductionStudy:
+    subject = load_subject(str(ROOT / "examples" / "quarter_car.py"))
+    return run_study(subject.model, subject.scenario, StudyOptions(threshold=0.97, step=1e-3, speed_repeats=0))
+
+
+def truck() -> ReductionStudy:
+    subject = load_subject("truck")
+    options = StudyOptions(
+        outputs=subject.outputs,
+        totals=subject.totals,
+        panels=subject.panels,
+        step=1e-3,
+        method=subject.method,
+        speed_repeats=0,
+    )
+    return run_study(subject.model, replace(subject.scenario, stop=20.0), options)
+
+
+def write(name: str, study: ReductionStudy) -> None:
+    """One page with its expectations."""
+    write_page(study, certify_study(study).certificate, FOLDER / f"{name}.html")
+    picture = depict(study.reduced_model)
+    thresholds = [round(float(t), 4) for t in np.linspace(0.5, 1.0, 26)]
+    expected = {
+        "nodes": len(picture.nodes),
+        "strokes": {str(bond.name): "head" if bond.effort_into == bond.head else "tail" for bond in picture.bonds},
+        "kept": [(threshold, len(study.ranking.kept_by(threshold))) for threshold in thresholds],
+        "gone": {str(node.path): node.gone.sign for node in picture.nodes if node.gone is not None},
+        "outputs": [str(path) for path in study.compared],
+    }
+    (FOLDER / f"{name}.json").write_text(json.dumps(expected), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    write("quarter_car", quarter_car())
+    write("truck", truck())

@@ -1,0 +1,174 @@
+/**
+ * The report in a real browser, with no network: it must show what Python says. The pages and what they must tell are made by
+ * `python -m tests.browser.pages` before.
+ */
+
+import { readFileSync, statSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+import { chromium, type Browser, type Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, test } from "vitest";
+
+interface Expected {
+  readonly nodes: number;
+  readonly strokes: Readonly<Record<string, "head" | "tail">>;
+  readonly kept: readonly (readonly [number, number])[];
+  readonly gone: Readonly<Record<string, string>>;
+  readonly outputs: readonly string[];
+}
+
+const FOLDER = new URL("../../out/browser/", import.meta.url);
+const SWITCHES = [
+  "--no-sandbox",
+  "--disable-gpu",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+let browser: Browser;
+
+beforeAll(async () => {
+  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: SWITCHES });
+});
+afterAll(async () => browser.close());
+
+async function opened(name: string, faults: string[], hash = ""): Promise<Page> {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  page.on("pageerror", (error) => faults.push(error.message));
+  page.on("console", (message) => {
+    if (message.type() === "error") faults.push(message.text());
+  });
+  page.on("request", (request) => {
+    if (!/^(file|blob|data):/.test(request.url())) faults.push(`asked for ${request.url()}`);
+  });
+  await page.goto(`${new URL(`${name}.html`, FOLDER).href}${hash}`);
+  await page.waitForSelector("body[data-ready]", { timeout: 60_000 });
+  return page;
+}
+
+describe.each(["quarter_car", "truck"])("%s", (name) => {
+  const file = new URL(`${name}.html`, FOLDER);
+  const expected = JSON.parse(readFileSync(new URL(`${name}.json`, FOLDER), "utf-8")) as Expected;
+  const faults: string[] = [];
+  let page: Page;
+
+  beforeAll(async () => {
+    page = await opened(name, faults, "#open=" + (name === "quarter_car" ? "suspension,tyre" : ""));
+  });
+  afterAll(async () => {
+    await page.close();
+    expect(faults).toEqual([]);
+  });
+
+  test("is one file of less than 2 MB", () => {
+    expect(statSync(fileURLToPath(file)).size).toBeLessThan(2e6);
+  });
+
+  test("strokes stand where Python says", async () => {
+    await page.getByRole("button", { name: "all", exact: true }).click();
+    await page.waitForFunction((count) => document.querySelectorAll(".node").length === count, expected.nodes);
+    const ends = await page.evaluate(() =>
+      Object.fromEntries(
+        [...document.querySelectorAll<SVGElement>("[data-bond]")].map((bond) => [
+          bond.dataset.bond,
+          bond.querySelector<SVGElement>(".stroke")?.dataset.end,
+        ]),
+      ),
+    );
+    expect(ends).toEqual(expected.strokes);
+  });
+
+  test("labels are inside their boxes as the browser draws them", async () => {
+    const outside = await page.evaluate(() =>
+      [...document.querySelectorAll<SVGGraphicsElement>(".node")]
+        .filter((node) => {
+          const box = node.querySelector<SVGGraphicsElement>("rect")?.getBBox();
+          const text = node.querySelector<SVGGraphicsElement>("text")?.getBBox();
+          return box !== undefined && text !== undefined && (text.x < box.x - 0.5 || text.x + text.width > box.x + box.width + 0.5);
+        })
+        .map((node) => node.dataset.id),
+    );
+    expect(outside).toEqual([]);
+  });
+
+  test("what is gone has a sign and a dashed outline", async () => {
+    const signs = await page.evaluate(() =>
+      Object.fromEntries(
+        [...document.querySelectorAll<SVGElement>(".node.gone")].map((node) => [
+          node.dataset.id,
+          [...node.querySelectorAll("text")].at(-1)?.textContent,
+        ]),
+      ),
+    );
+    expect(signs).toEqual(expected.gone);
+    const plain = await page.evaluate(
+      () => [...document.querySelectorAll(".node.gone rect:first-of-type")].filter((box) => !box.hasAttribute("stroke-dasharray")).length,
+    );
+    expect(plain).toBe(0);
+  });
+
+  test("the slider keeps at every place what Python keeps", async () => {
+    const found: [number, number][] = [];
+    for (const [threshold] of expected.kept) {
+      const kept = await page.evaluate((value) => {
+        location.hash = `#shown=threshold&threshold=${value}`;
+        return new Promise<number>((resolve) =>
+          setTimeout(() => resolve(Number(document.querySelector<HTMLElement>("output")?.dataset.kept)), 30),
+        );
+      }, threshold);
+      found.push([threshold, kept]);
+    }
+    expect(found).toEqual(expected.kept);
+  });
+
+  test("arrow keys move one element at a time", async () => {
+    const count = async (): Promise<number> => Number(await page.locator("output").getAttribute("data-kept"));
+    await page.evaluate(() => (location.hash = "#shown=threshold&threshold=0.9"));
+    await page.locator("#threshold").focus();
+    const before = await count();
+    await page.keyboard.press("ArrowLeft");
+    expect(await count()).toBe(before - 1);
+    await page.keyboard.press("ArrowRight");
+    expect(await count()).toBe(before);
+  });
+
+  test("a chosen row is shown in the graph, whose groups open for it", async () => {
+    await page.getByRole("button", { name: "nothing", exact: true }).click();
+    await page.locator("tbody button").nth(1).click();
+    await page.waitForSelector(".graph .chosen");
+    const row = await page.locator("tbody button").nth(1).textContent();
+    expect(await page.locator(".element h3").textContent()).toContain(row);
+  });
+
+  test("groups close and open, and the address holds what is open", async () => {
+    await page.getByRole("button", { name: "nothing", exact: true }).click();
+    const group = page.locator(".closed").first();
+    await group.waitFor();
+    const path = (await group.getAttribute("data-group")) as string;
+    await group.click();
+    await page.waitForSelector(`.group[data-group="${path}"]`);
+    expect(new URL(page.url()).hash).toContain(path);
+    const again = await opened(name, faults, new URL(page.url()).hash);
+    expect(await again.locator(`.group[data-group="${path}"]`).count()).toBe(1);
+    await again.close();
+  });
+
+  test("letters of the usual view are at least 10 px high", async () => {
+    await page.getByRole("button", { name: "one level" }).click();
+    await page.waitForTimeout(300);
+    const least = await page.evaluate(() => {
+      const svg = document.querySelector<SVGSVGElement>(".graph svg") as SVGSVGElement;
+      const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
+      const sizes = [...svg.querySelectorAll(".node > text, .closed > text:nth-of-type(1)")];
+      return Math.min(...sizes.map((text) => Number(text.getAttribute("font-size")) * scale));
+    });
+    // Names under two-ports are notes, and smaller.
+    expect(least).toBeGreaterThanOrEqual(8.5);
+  });
+
+  test("every compared output has a lane", async () => {
+    const shown = await page.evaluate(() =>
+      [...document.querySelectorAll<HTMLElement>(".lane")].flatMap((lane) => lane.dataset.paths?.split(" ")),
+    );
+    expect(shown).toEqual(expect.arrayContaining([...expected.outputs]));
+  });
+});

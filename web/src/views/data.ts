@@ -1,0 +1,87 @@
+/**
+ * What a page shows of a study: one document, inside the report or from a server. Python's side is
+ * `propermodel.report.page`.
+ */
+
+import type { Picture } from "../graph/picture.ts";
+
+/** A row of the ranking, with what became of it. */
+export interface RankedRow {
+  readonly path: string;
+  readonly kind: string;
+  readonly activity: number; // J
+  readonly index: number;
+  readonly cumulative: number;
+  readonly verdict: "kept" | "removed" | "refused";
+  readonly meaning: string;
+  readonly reason: string;
+}
+
+/** A signal of both runs: least and greatest value in every interval, in turn. */
+export interface SignalData {
+  readonly path: string;
+  readonly label: string;
+  readonly unit: string; // as displayed
+  readonly panel: string;
+  readonly full: string; // little-endian float32, base64
+  readonly reduced: string | null;
+}
+
+/** An output of the comparison, as shares of the range of the full model's run. */
+export interface OutputRow {
+  readonly path: string;
+  readonly unit: string;
+  readonly rms: number | null;
+  readonly maximum: number | null;
+  readonly at: number | null;
+  readonly full: number | null;
+  readonly reduced: number | null;
+  readonly final: number | null;
+}
+
+/** Where energy came from and went, J. */
+export interface BalanceData {
+  readonly supplied: number;
+  readonly stored: number;
+  readonly dissipated: number;
+  readonly residual: number; // share of the source work
+  readonly sources: readonly { readonly path: string; readonly work: number }[];
+}
+
+export interface StudyData {
+  readonly format: "propermodel report";
+  readonly version: 1;
+  readonly model: string;
+  readonly scenario: string;
+  readonly window: readonly [number, number];
+  readonly threshold: number;
+  readonly facts: readonly { readonly name: string; readonly value: string; readonly note: string }[];
+  readonly picture: Picture;
+  readonly rows: readonly RankedRow[];
+  readonly totalActivity: number;
+  readonly notes: readonly string[];
+  readonly outputs: readonly OutputRow[];
+  readonly balances: { readonly full: BalanceData; readonly reduced: BalanceData };
+  readonly signals: { readonly times: string; readonly items: readonly SignalData[] };
+  readonly made: readonly { readonly name: string; readonly value: string }[];
+  readonly certificate: unknown;
+}
+
+/** The numbers in a text of little-endian float32 values. */
+export function numbers(text: string): Float32Array {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
+}
+
+/** How many rows a threshold keeps: from the top, up to and with the one that reaches it (`ActivityRanking.kept_by`). */
+export function keptBy(rows: readonly RankedRow[], threshold: number): number {
+  if (threshold === 0) return 0;
+  let share = 0;
+  let kept = 0;
+  for (const row of rows) {
+    if (kept > 0 && share >= threshold && (threshold < 1 || row.activity === 0)) break;
+    kept += 1;
+    share = row.cumulative;
+  }
+  return kept;
+}

@@ -1,0 +1,35 @@
+/** What is known of the chosen element. */
+
+import { percent, significant } from "./format.ts";
+import type { State } from "./state.ts";
+
+export function Element({ state }: { state: State }) {
+  const selected = state.selected.value;
+  const node = state.data.picture.nodes.find((found) => found.path === selected || found.row === selected);
+  if (selected === null || node === undefined) {
+    return <p class="hint">Click an element to see what is known of it, a frame to close it, a box to open it.</p>;
+  }
+  const rank = state.data.rows.findIndex((row) => row.path === node.row);
+  const row = state.data.rows[rank];
+  const bonds = state.data.picture.bonds.filter((bond) => bond.tail === node.path || bond.head === node.path);
+  const signals = state.data.picture.signals.filter((signal) => signal.to === node.path);
+  return (
+    <div class="element" aria-live="polite">
+      <h3>
+        {node.path} <small>{node.kind}</small>
+      </h3>
+      {row !== undefined && (
+        <p>
+          Rank {rank + 1} of {state.data.rows.length}: {significant(row.activity, "J")}, {percent(row.index, 3)} of all activity.{" "}
+          <b class={row.verdict}>{row.verdict}</b>
+          {row.meaning === "" ? "" : `, ${row.meaning}`}: {row.reason}
+        </p>
+      )}
+      {node.gone !== undefined && <p>In the reduced model: {node.gone.meaning}.</p>}
+      <p>
+        {bonds.map((bond) => `${bond.name} (${bond.domain}${bond.causality === "dependent" ? ", dependent" : ""})`).join(", ")}
+      </p>
+      {signals.length > 0 && <p>Has information from {signals.map((signal) => signal.from).join(", ")}.</p>}
+    </div>
+  );
+}

@@ -1,0 +1,171 @@
+/** The ranking: bars with the cumulative line, the threshold as slider and as line, and the table of decisions. */
+
+import { useRef } from "preact/hooks";
+import { activityColour, LEAST, level } from "../graph/notation.ts";
+import { keptBy } from "./data.ts";
+import { percent, significant } from "./format.ts";
+import type { State } from "./state.ts";
+
+const WIDTH = 900;
+const HEIGHT = 230;
+const LEFT = 46;
+const RIGHT = 46;
+const TOP = 12;
+const BOTTOM = 24;
+
+export function RankingView({ state }: { state: State }) {
+  const { rows, totalActivity } = state.data;
+  const kept = state.kept.value;
+  const share = kept === 0 ? 0 : (rows[kept - 1]?.cumulative ?? 0);
+  return (
+    <div class="ranking">
+      <div class="tools">
+        <label for="threshold">threshold</label>
+        <input
+          id="threshold"
+          type="range"
+          min="0"
+          max="1"
+          step="any"
+          value={toSlider(state.threshold.value)}
+          onInput={(event) => change(state, fromSlider(Number(event.currentTarget.value)))}
+          onKeyDown={(event) => step(event, state)}
+        />
+        <output for="threshold" data-kept={kept}>
+          {percent(state.threshold.value, 2)} keeps {kept} of {rows.length} elements, {percent(share, 2)} of{" "}
+          {significant(totalActivity, "J")}
+        </output>
+      </div>
+      <Bars state={state} />
+      <Table state={state} />
+    </div>
+  );
+}
+
+/** Most of the slider's way is between 90 % and 100 %, where decisions are made. */
+const toSlider = (threshold: number): number => 1 - Math.sqrt(1 - threshold);
+const fromSlider = (place: number): number => Math.round((1 - (1 - place) ** 2) * 1e5) / 1e5;
+
+function change(state: State, threshold: number): void {
+  state.threshold.value = Math.min(1, Math.max(0, threshold));
+  state.shown.value = "threshold";
+}
+
+/** Arrow keys move by one element. */
+function step(event: KeyboardEvent, state: State): void {
+  const by = event.key === "ArrowRight" || event.key === "ArrowUp" ? 1 : event.key === "ArrowLeft" || event.key === "ArrowDown" ? -1 : 0;
+  if (by === 0) return;
+  event.preventDefault();
+  const rows = state.data.rows;
+  // Rows without activity of their own cannot be told apart by a threshold, and are passed over together.
+  for (let wanted = state.kept.value + by; wanted >= 0 && wanted <= rows.length; wanted += by) {
+    const threshold = wanted === 0 ? 0 : wanted === rows.length ? 1 : (rows[wanted - 1]?.cumulative ?? 1);
+    if (keptBy(rows, threshold) === state.kept.value) continue;
+    change(state, threshold);
+    return;
+  }
+}
+
+function Bars({ state }: { state: State }) {
+  const svg = useRef<SVGSVGElement>(null);
+  const rows = state.data.rows;
+  const kept = state.kept.value;
+  const wide = (WIDTH - LEFT - RIGHT) / Math.max(1, rows.length);
+  const high = HEIGHT - TOP - BOTTOM;
+  const y = (part: number): number => TOP + high * (1 - part);
+  const line = rows.map((row, i) => `${i === 0 ? "M" : "L"}${LEFT + wide * (i + 0.5)} ${y(row.cumulative)}`).join("");
+  const at = y(state.threshold.value);
+  const drag = (event: PointerEvent): void => {
+    if (event.buttons === 0 || svg.current === null) return;
+    const box = svg.current.getBoundingClientRect();
+    const place = ((event.clientY - box.top) / box.height) * HEIGHT;
+    change(state, Math.round((1 - (place - TOP) / high) * 1e3) / 1e3);
+  };
+  const decades = Array.from({ length: Math.round(-Math.log10(LEAST)) + 1 }, (_, i) => 10 ** -i);
+  return (
+    <svg ref={svg} class="bars" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label="Activity indices and their sum">
+      {decades.map((share) => (
+        <g key={share} class="axis">
+          <line x1={LEFT} x2={WIDTH - RIGHT} y1={y(level(share))} y2={y(level(share))} />
+          <text x={LEFT - 6} y={y(level(share)) + 4} text-anchor="end">{percent(share, 0, 3)}</text>
+        </g>
+      ))}
+      {[0, 0.25, 0.5, 0.75, 1].map((part) => (
+        <text key={part} class="axis" x={WIDTH - RIGHT + 6} y={y(part) + 4}>{percent(part, 0)}</text>
+      ))}
+      {rows.map((row, i) => {
+        const chosen = state.selected.value === row.path;
+        return (
+          <rect
+            key={row.path}
+            class={`bar ${i < kept ? "" : "below"} ${chosen ? "chosen" : ""}`}
+            data-row={row.path}
+            x={LEFT + wide * i + 0.5}
+            width={Math.max(1, wide - 1)}
+            y={y(level(row.index))}
+            height={Math.max(0.5, high * level(row.index))}
+            fill={i < kept ? activityColour(row.index) : "none"}
+            onClick={() => choose(state, row.path)}
+          >
+            <title>{`${i + 1}. ${row.path}: ${percent(row.index, 3)}, together ${percent(row.cumulative, 2)}`}</title>
+          </rect>
+        );
+      })}
+      <path class="sum" d={line} />
+      <g class="threshold" onPointerDown={(event) => (event.currentTarget as Element).setPointerCapture(event.pointerId)} onPointerMove={drag}>
+        <line class="grip" x1={LEFT} x2={WIDTH - RIGHT} y1={at} y2={at} />
+        <line x1={LEFT} x2={WIDTH - RIGHT} y1={at} y2={at} />
+      </g>
+      <text class="axis" x={LEFT} y={HEIGHT - 6}>activity index (bars, left) and sum (line, right) of {rows.length} elements</text>
+    </svg>
+  );
+}
+
+function Table({ state }: { state: State }) {
+  const kept = state.kept.value;
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label="Ranking">
+      <table>
+        <thead>
+          <tr>
+            <th>rank</th>
+            <th>element</th>
+            <th>kind</th>
+            <th class="number">activity</th>
+            <th class="number">index</th>
+            <th class="number">sum</th>
+            <th>threshold</th>
+            <th>decision</th>
+            <th>because</th>
+          </tr>
+        </thead>
+        <tbody>
+          {state.data.rows.map((row, i) => (
+            <tr
+              key={row.path}
+              class={`${i < kept ? "" : "below"} ${state.selected.value === row.path ? "chosen" : ""}`}
+              onClick={() => choose(state, row.path)}
+            >
+              <td class="number">{i + 1}</td>
+              <td>
+                <button type="button" class="plain" onClick={() => choose(state, row.path)}>{row.path}</button>
+              </td>
+              <td>{row.kind}</td>
+              <td class="number">{significant(row.activity, "J")}</td>
+              <td class="number">{percent(row.index, 3)}</td>
+              <td class="number">{percent(row.cumulative, 2)}</td>
+              <td>{i < kept ? "keeps" : "below"}</td>
+              <td class={row.verdict}>{row.verdict}</td>
+              <td>{row.meaning === "" ? row.reason : `${row.meaning}: ${row.reason}`}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function choose(state: State, path: string): void {
+  state.selected.value = path;
+  state.reveal(path);
+}
