@@ -558,6 +558,14 @@ CASES = (
         cure="Tolerance(final=0.01)",
     ),
     Case(
+        code="reduction/not-recovered",
+        run=lambda: simulate(
+            compile_model(quarter().model.without([ZeroEffort(SPRING)])), STEP, step=1e-3, record_every=0.05
+        )["suspension.spring.energy"],
+        names=("suspension.spring.energy", "no effort at suspension.spring.port"),
+        cure="suspension.spring.port.flow",
+    ),
+    Case(
         code="reduction/nothing-found",
         run=nothing_found,
         names=("quarter",),

@@ -26,6 +26,7 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.finite import faults_of_settings
 from propermodel.simulation.groups import NO_ROWS, Settings, groups
 from propermodel.simulation.observables import observable_path
+from propermodel.simulation.recovery import integral_of, start_of
 from propermodel.simulation.side_by_side import LaneResults
 from propermodel.simulation.simulate import selected_entries
 from propermodel.simulation.stepping import DEFAULT_TOLERANCE, Stepping
@@ -63,10 +64,18 @@ class Ensemble:
         Raises:
             SimulationError: the model has no such observable, or it was not recorded.
         """
-        return self.rows[:, :, self._column(observable)]
+        path = observable_path(observable)
+        integral = integral_of(self.compiled, path)
+        if integral is None:
+            return self.rows[:, :, self._column(path)]
+        starts = (start_of(self.compiled, scenario, path, integral) for scenario in self.scenarios)
+        rates = self.rows[:, :, self._column(integral.rate)]
+        return np.array([integral.values(self.time, rate, begin) for rate, begin in zip(rates, starts, strict=True)])
 
     def at_end(self, observable: Expr | Path | str) -> FloatArray:
         """The value of a recorded observable at the end, one for each design."""
+        if integral_of(self.compiled, observable_path(observable)) is not None:
+            return self[observable][:, -1]
         return self.final[:, self._column(observable)]
 
     def activity(self, entry: Path | str) -> FloatArray:

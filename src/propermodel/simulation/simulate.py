@@ -13,7 +13,7 @@ import numpy as np
 from propermodel.codegen.machine import FloatArray, Machine, Memory, Method, Outcome, Request, Status
 from propermodel.codegen.program import Array
 from propermodel.compiler import CompiledModel
-from propermodel.diagnostics import Diagnostic, Faults, Path, SimulationError, one_of
+from propermodel.diagnostics import Faults, Path, SimulationError
 from propermodel.expressions.core import Expr
 from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Scenario
@@ -25,6 +25,7 @@ from propermodel.simulation.events import Events
 from propermodel.simulation.finite import faults_of_settings
 from propermodel.simulation.observables import observable_path
 from propermodel.simulation.recording import FileStore, MemoryStore, Recording, RecordingStopped, stopped_ending
+from propermodel.simulation.recovery import entries_for
 from propermodel.simulation.stability import note_on_step
 from propermodel.simulation.start import Start, begin, start_of
 from propermodel.simulation.stepping import DEFAULT_TOLERANCE, Stepping
@@ -298,21 +299,9 @@ def selected_entries(
     faults = Faults(SimulationError)
     chosen: dict[int, None] = {}
     for item in record:
-        path = observable_path(item)
-        wanted = (
-            [path.parent / "effort", path.parent / "flow"] if path.name == "power" and path not in known else [path]
-        )
-        for name in wanted:
-            if name in known:
+        with faults.collecting():
+            for name in entries_for(compiled, observable_path(item)):
                 chosen[known[name].index] = None
-            else:
-                faults.add(
-                    Diagnostic(
-                        "simulation/unknown-observable",
-                        f"the model has no observable '{name}'",
-                        help=one_of(str(name), map(str, known)),
-                    )
-                )
     faults.raise_if_any()
     return np.array(list(chosen), dtype=np.int64)
 

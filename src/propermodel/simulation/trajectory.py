@@ -21,6 +21,7 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.export import to_csv, to_pandas, to_xarray
 from propermodel.simulation.observables import observable_path
 from propermodel.simulation.overview import Overview, extremes_of, make_overview, overview_of_intervals
+from propermodel.simulation.recovery import integral_of, start_of, unknown_observable
 from propermodel.simulation.series import ArraySeries, Series
 from propermodel.simulation.stepping import Stepping
 
@@ -147,6 +148,10 @@ class Trajectory:
             return self[path.parent / "effort"] * self[path.parent / "flow"]
         if path.name in ("activity", "work") and path not in self.compiled.lowered.observables:
             return self._cumulative(path)
+        integral = integral_of(self.compiled, path)
+        if integral is not None:
+            begin = start_of(self.compiled, self.scenario, path, integral)
+            return integral.values(self.time, self[integral.rate], begin)
         return self.signals.column(self.column_of(path))
 
     def _cumulative(self, path: Path) -> FloatArray:
@@ -215,17 +220,18 @@ class Trajectory:
     def _observable(self, path: Path) -> Observable:
         known = self.compiled.lowered.observables
         if path not in known:
-            raise SimulationError.of(
-                "simulation/unknown-observable",
-                f"the model has no observable '{path}'",
-                help=one_of(str(path), map(str, known)),
-            )
+            raise SimulationError([unknown_observable(self.compiled, path)])
         return known[path]
 
     def __contains__(self, observable: Expr | Path | str) -> bool:
         path = observable_path(observable)
-        known = self.compiled.lowered.observables.get(path)
-        return known is not None and known.index in self.recorded
+        known = self.compiled.lowered.observables
+        try:
+            integral = integral_of(self.compiled, path)
+        except SimulationError:
+            return False
+        asked = path if integral is None else integral.rate
+        return asked in known and known[asked].index in self.recorded
 
     def unit(self, observable: Expr | Path | str) -> str:
         """The unit of an observable."""
@@ -238,11 +244,18 @@ class Trajectory:
 
     def at_start(self, observable: Expr | Path | str) -> float:
         """The value of any observable at the start, recorded or not."""
-        return self._value(self.start_signals, observable_path(observable))
+        path = observable_path(observable)
+        integral = integral_of(self.compiled, path)
+        if integral is not None:
+            return start_of(self.compiled, self.scenario, path, integral)
+        return self._value(self.start_signals, path)
 
     def at_end(self, observable: Expr | Path | str) -> float:
-        """The value of any observable at the end, recorded or not."""
-        return self._value(self.final_signals, observable_path(observable))
+        """The value of any observable at the end; recorded or not, unless it is an integral of one that is recorded."""
+        path = observable_path(observable)
+        if integral_of(self.compiled, path) is not None:
+            return float(self[path][-1])
+        return self._value(self.final_signals, path)
 
     def _value(self, signals: FloatArray, path: Path) -> float:
         if path.name == "power" and path not in self.compiled.lowered.observables:
