@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
 
@@ -160,6 +161,8 @@ def _candidate(candidate: Candidate) -> dict[str, object]:
         "measured_over_tolerance": candidate.score if candidate.comparisons else None,
         "verdict": candidate.verdict.value,
         "why": candidate.why,
+        "fragile": [str(path) for path in candidate.fragile],
+        "seconds_per_simulated_second": candidate.cost if math.isfinite(candidate.cost) else None,
         "errors": {
             scenario: {str(output.path): _errors(output) for output in comparison.outputs}
             for scenario, comparison in candidate.comparisons.items()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -15,7 +16,9 @@ from propermodel.modelling.model import Model, Removal
 from propermodel.reduction.claim import Condition
 from propermodel.reduction.prediction import PredictedRow
 from propermodel.simulation.stepping import Stepping
+from propermodel.simulation.zeros import listed
 
+ALIKE = 0.3  # costs that differ by less are not told apart, as other work disturbs them
 MARGIN = 0.8  # of the tolerance: what a recommended model may use, as other scenarios cost more
 
 
@@ -32,7 +35,8 @@ class Verdict(StrEnum):
 class Candidate:
     """A model that was tried: what went, what was predicted, and how far its outputs are from those of the full model.
 
-    `score` is the largest error over its tolerance; it is infinite where there is no error to measure.
+    `score` is the largest error over its tolerance; it is infinite where there is no error to measure, and a lower
+    bound where a run was ended early because it was outside (there is no comparison of that scenario then).
     """
 
     rows: tuple[Path, ...]
@@ -43,6 +47,8 @@ class Candidate:
     why: str
     states: int
     comparisons: Mapping[str, Comparison] = field(default_factory=dict[str, Comparison])  # by scenario
+    cost: float = math.nan  # seconds of computing per simulated second
+    fragile: tuple[Path, ...] = ()  # rows that alone are predicted to cost more than all together
 
     def __str__(self) -> str:
         measured = f"{self.score:.2f}" if np.isfinite(self.score) else "-"
@@ -82,13 +88,12 @@ class ProperModelSearch:
 
     @property
     def front(self) -> tuple[Candidate, ...]:
-        """The candidates that no other beats in size and error, the largest model first."""
-        measured = sorted((c for c in self.candidates if np.isfinite(c.score)), key=lambda c: (-len(c.rows), c.score))
-        found: list[Candidate] = []
-        for candidate in measured:
-            if not found or candidate.score < found[-1].score:
-                found.append(candidate)
-        return tuple(reversed(found))
+        """The measured candidates that no other beats in rows, states, error and cost at once, the largest first."""
+        measured = [c for c in self.candidates if c.comparisons and np.isfinite(c.score)]
+        best = {
+            (len(c.rows), c.states, c.score): c for c in measured if not any(_beats(other, c) for other in measured)
+        }
+        return tuple(best[key] for key in sorted(best, key=lambda key: (key[0], -key[1], key[2])))
 
     def reduced(self, candidate: Candidate | None = None) -> Model:
         """The model of a candidate, by default the recommended one; the full model if nothing can go."""
@@ -101,15 +106,25 @@ class ProperModelSearch:
             f"{self.simulations} simulations on {', '.join(self.scenarios)}"
         )
         lines = [head, *(f"  {path}: {tolerance}" for path, tolerance in self.tolerances.items())]
-        lines.append(f"{'rows':>6}{'states':>8}{'error / tolerance':>20}{'predicted':>11}")
+        lines.append(f"{'rows':>6}{'states':>8}{'error / tolerance':>20}{'predicted':>11}{'s per s':>10}")
         for candidate in self.front:
             mark = (
                 " <- recommended" if candidate is self.recommended else " <- smallest" if candidate is self.best else ""
             )
             lines.append(
                 f"{self.rows - len(candidate.rows):>6}{candidate.states:>8}{candidate.score:>20.3f}"
-                f"{candidate.predicted:>11.3f}{mark}"
+                f"{candidate.predicted:>11.3f}{candidate.cost:>10.2g}{mark}"
             )
         if self.best is None:
             lines.append("nothing can go within these tolerances")
+        elif self.best.fragile:
+            names = listed(map(str, self.best.fragile))
+            lines.append(f"fragile: the smallest holds because errors cancel; alone each of these costs more: {names}")
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+
+def _beats(one: Candidate, other: Candidate) -> bool:
+    """Whether one candidate is at least as good as another in everything, and better in something."""
+    sizes = (len(other.rows) - len(one.rows), one.states - other.states, one.score - other.score)
+    is_dearer, is_cheaper = one.cost > (1.0 + ALIKE) * other.cost, one.cost < (1.0 - ALIKE) * other.cost
+    return max(sizes) <= 0 and not is_dearer and (min(sizes) < 0 or is_cheaper)

@@ -64,6 +64,10 @@ def removals_of(choice: Choice) -> frozenset[Replacement]:
     return frozenset(removal for way in choice.values() for removal in way)
 
 
+def _in_order(choice: Choice) -> list[Replacement]:
+    return [removal for way in choice.values() for removal in way]
+
+
 class Proposals:
     """Predicts, for several scenarios, what removals cost against tolerances."""
 
@@ -80,6 +84,7 @@ class Proposals:
         self._rows = {row.path: row.bonds for row in first.compiled.system.rows}
         # A constant has one value for all scenarios, that of the first.
         self._ways = {path: first.ways(bonds) for path, bonds in self._rows.items()}
+        self._refused: list[frozenset[Replacement]] = []
 
     def root(self) -> Node:
         """The full model."""
@@ -88,27 +93,94 @@ class Proposals:
 
     def node(self, choice: Choice) -> Node | None:
         """The models that a choice leaves; None if it leaves no solution."""
-        found: Node | None = self.root()
-        for row, way in choice.items():
-            found = None if found is None else self._with(found, row, way)
-        return found
+        if not choice:
+            return self.root()
+        left: list[Responses] = []
+        for prediction in self._predictions:
+            found = prediction.responses.without([prediction.move(removal) for removal in _in_order(choice)])
+            if found is None:
+                return None
+            left.append(found)
+        score = max(self._score(responses.errors) for responses in left)
+        return Node(choice, score, tuple(left), self._offers(choice, left))
+
+    def proposed(self, choice: Choice) -> Proposed | None:
+        """A choice with its predicted score; None if it leaves no solution."""
+        scores: list[float] = []
+        for prediction in self._predictions:
+            errors = prediction.responses.errors_without([prediction.move(removal) for removal in _in_order(choice)])
+            if errors is None:
+                return None
+            scores.append(self._score(errors))
+        return Proposed(choice, max(scores))
 
     def extended(self, node: Node, extension: Extension) -> Node | None:
         """The node with one more row gone, and all rows that this makes free."""
         found = self._with(node, extension.row, extension.way)
-        while found is not None:
-            cheapest = next(iter(found.offers), None)
-            if cheapest is None or cheapest.score > found.score + _FREE:
-                return found
-            further = self._with(found, cheapest.row, cheapest.way)
+        return None if found is None else self.closed(found)
+
+    def closed(self, node: Node) -> Node:
+        """The node without all rows that cost nothing any more."""
+        while True:
+            cheapest = next(iter(node.offers), None)
+            if cheapest is None or cheapest.score > node.score + _FREE:
+                return node
+            further = self._with(node, cheapest.row, cheapest.way)
             if further is None:
-                return found
-            found = further
-        return None
+                return node
+            node = further
+
+    def refuse(self, removals: frozenset[Replacement]) -> None:
+        """Propose no set any more that contains these removals, which together leave no model."""
+        self._refused.append(removals)
+
+    def is_refused(self, removals: frozenset[Replacement]) -> bool:
+        """Whether a set contains removals that together leave no model."""
+        return self.refused_part(removals) is not None
+
+    def refused_part(self, removals: frozenset[Replacement]) -> frozenset[Replacement] | None:
+        """The part of a set of which it is known that it leaves no model; None if there is none."""
+        return next((refused for refused in self._refused if refused <= removals), None)
+
+    def pairs(self, node: Node, limit: float) -> list[Proposed]:
+        """Two more rows that may go together, although perhaps neither may alone; the least score first.
+
+        Args:
+            node: The models that are left.
+            limit: The largest predicted score.
+        """
+        singles = [
+            (row, way) for row in self._rows if row not in node.choice for way in self._ways[row] if len(way) == 1
+        ]
+        if len(singles) < 2:
+            return []
+        scores = np.zeros((len(singles), len(singles)))
+        for responses, prediction in zip(node.left, self._predictions, strict=True):
+            errors = responses.pair_errors([prediction.move(way[0]) for _, way in singles])
+            scores = np.maximum(scores, np.max(errors / self._tolerances[:, np.newaxis, np.newaxis], axis=0))
+        first, second = np.nonzero(np.triu(scores <= limit, 1))
+        found: list[Proposed] = []
+        for i, j in zip(first, second, strict=True):
+            (row, way), (other, other_way) = singles[i], singles[j]
+            choice = {**node.choice, row: way, other: other_way}
+            if row != other and not self.is_refused(removals_of(choice)):
+                found.append(Proposed(choice, float(scores[i, j])))
+        return sorted(found, key=lambda proposed: proposed.score)
+
+    def restored(self, choice: Choice) -> list[Proposed]:
+        """The choices with one row back in its place, that which helps most first."""
+        without = ({row: way for row, way in choice.items() if row != back} for back in choice)
+        found = (self.proposed(fewer) if fewer else Proposed({}, 0.0) for fewer in without)
+        return sorted((proposed for proposed in found if proposed is not None), key=lambda proposed: proposed.score)
+
+    @property
+    def is_large(self) -> bool:
+        """Whether the model has many rows."""
+        return len(self._rows) > LARGE
 
     def beam(self) -> dict[int, list[Proposed]]:
         """The best sets by the number of rows that go, as far as any is within `PASSING` times the tolerance."""
-        width = WIDTH if len(self._rows) <= LARGE else WIDTH_OF_LARGE
+        width = WIDTH_OF_LARGE if self.is_large else WIDTH
         pools: dict[int, list[Proposed]] = {}
         here = [self.root()]
         seen: set[frozenset[Replacement]] = set()
@@ -193,6 +265,8 @@ class Proposals:
             if row in choice:
                 continue
             for way in self._ways[row]:
+                if self._refused and self.is_refused(removals_of(choice) | frozenset(way)):
+                    continue
                 scores = [self._score_of(k, responses, way, singles) for k, responses in enumerate(left)]
                 if all(score is not None for score in scores):
                     found.append(Extension(row, way, max(score for score in scores if score is not None)))

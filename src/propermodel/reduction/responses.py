@@ -122,3 +122,37 @@ class Responses:
         found = self._sizes(changes) / self.ranges[:, np.newaxis]
         found[:, is_singular] = np.nan
         return found
+
+    def pair_errors(self, moves: Sequence[Move]) -> FloatArray:
+        """The errors (outputs, moves, moves) after two further removals together, of each pair.
+
+        Not a number where that leaves no solution, and for two removals of one law.
+        """
+        laws, variables = np.array([move.law for move in moves]), np.array([move.variable for move in moves])
+        answered = self.own[:, variables][:, :, laws]  # of the variable of one, to the law of the other
+        missing = self._missing(moves)
+        full = self.full[:, variables]
+        own = np.einsum("tii->ti", answered)
+        found = np.full((len(self.ranges), len(moves), len(moves)), np.nan)
+        for i, move in enumerate(moves):
+            others = np.flatnonzero((laws > move.law) & ~np.any(full == 0.0, axis=0))
+            if not others.size or np.any(full[:, i] == 0.0):
+                continue
+            # Cramer's rule for the two violations.
+            across, back = answered[:, i, others], answered[:, others, i]
+            here, there = own[:, i, np.newaxis], own[:, others]
+            determinant = here * there - across * back
+            scale = full[:, i, np.newaxis] * full[:, others]
+            is_singular = np.any(np.abs(determinant) <= SINGULAR * scale, axis=0)
+            determinant[:, is_singular] = 1.0
+            first = (across * missing[:, others] - there * missing[:, i, np.newaxis]) / determinant
+            second = (back * missing[:, i, np.newaxis] - here * missing[:, others]) / determinant
+            changes = (
+                self.changes[:, :, np.newaxis]
+                + self.answers[:, :, laws[i], np.newaxis] * first[:, np.newaxis]
+                + self.answers[:, :, laws[others]] * second[:, np.newaxis]
+            )
+            errors = self._sizes(changes) / self.ranges[:, np.newaxis]
+            errors[:, is_singular] = np.nan
+            found[:, i, others] = found[:, others, i] = errors
+        return found

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from propermodel.analysis.comparison import Comparison, compare
 from propermodel.analysis.features import Undefined
 from propermodel.analysis.tolerances import Tolerance
+from propermodel.codegen.fingerprint import fingerprint
 from propermodel.compiler import CompiledModel, compile_quietly
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
 from propermodel.modelling.model import Removal, Scenario
@@ -16,12 +19,24 @@ from propermodel.reduction.candidates import Candidate, Verdict
 from propermodel.reduction.claim import Condition
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
-from propermodel.reduction.prediction import Prediction, predict_errors
-from propermodel.reduction.proposals import Choice, Proposals, removals_of
+from propermodel.reduction.prediction import Prediction, Replacement, predict_errors
+from propermodel.reduction.proposals import Choice, Proposals, Proposed, removals_of
+from propermodel.reduction.refusals import fewest_refused
+from propermodel.reduction.watched_run import run_watched
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.trajectory import Trajectory
 
 ROWS = 2000  # recorded of each run, where nothing else is asked for
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A candidate that has equations, compiled. Different removals may leave the same model, with one fingerprint."""
+
+    node: Proposed
+    removals: tuple[Removal, ...]
+    compiled: CompiledModel
+    fingerprint: str
 
 
 class Trials:
@@ -47,6 +62,7 @@ class Trials:
         self.predictions: tuple[Prediction, ...] = tuple(predict_errors(run, tolerances) for run in self.runs)
         self.proposals = Proposals(self.predictions, np.array([t.smallest for t in tolerances.values()]))
         self._evidence = RunEvidence.of(full, self.runs[0])
+        self._hardness = [0.0] * len(scenarios)  # the last score on each scenario
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -60,62 +76,115 @@ class Trials:
             for scenario in self.scenarios
         )
 
-    def try_out(self, choice: Choice, predicted: float) -> tuple[Candidate, int]:
-        """Reformulate and simulate what a choice leaves; the candidate, and how many runs it took."""
-        replacements = tuple(sorted(removals_of(choice), key=lambda removal: removal.bond))
-        removals: tuple[Removal, ...] = replacements
+    def prepare(self, node: Proposed) -> Prepared | Candidate:
+        """Reformulate and compile what a choice leaves; a candidate that is refused where that has no equations."""
         try:
-            removals = (*replacements, *signals_to_freeze(self._evidence, replacements))
-            compiled = compile_quietly(self.full.model.without(removals))
+            removals, compiled = self._reformulated(node.choice)
+            compiled.machine(self._stepping.method)
         except ProperModelError as error:
-            why = error.diagnostics[0].message
-            return self._candidate(choice, removals, predicted, Verdict.REFUSED, why), 0
+            return self._refused(node, error.diagnostics[0].message)
         lost = [str(path) for path in self.tolerances if path not in compiled.lowered.observables]
         if lost:
-            why = f"{', '.join(lost)} would not exist"
-            return self._candidate(choice, removals, predicted, Verdict.REFUSED, why), 0
-        gone = {row.path for row in self.full.system.rows} - {row.path for row in compiled.system.rows}
-        comparisons: dict[str, Comparison] = {}
-        score = 0.0
-        for number, (scenario, reference) in enumerate(zip(self.scenarios, self.runs, strict=True), 1):
-            try:
-                run = self._run(compiled, scenario, list(self.tolerances))
-            except ProperModelError as error:  # it cannot start: a loop of the smaller model has no solution
-                why = error.diagnostics[0].message
-                return self._candidate(choice, removals, predicted, Verdict.FAILED, why, gone, compiled), number
-            if not run.ending.is_complete:
-                why = run.ending.message
-                return self._candidate(choice, removals, predicted, Verdict.FAILED, why, gone, compiled), number
-            found = compare(reference, run, self.tolerances)
-            comparisons[scenario.name] = found
-            score = max(score, *(self.tolerances[output.path].score(output) for output in found.outputs))
-            if not score <= 1.0 and number < len(self.scenarios):
-                break
-        verdict = Verdict.WITHIN if score <= 1.0 else Verdict.OUTSIDE
-        candidate = self._candidate(choice, removals, predicted, verdict, "", gone, compiled, score, comparisons)
-        return candidate, len(comparisons)
+            return self._refused(node, f"{', '.join(lost)} would not exist")
+        program = compiled.lowered.program
+        return Prepared(node, removals, compiled, fingerprint((program, tuple(compiled.graph.parameters.values()))))
 
-    def _candidate(
-        self,
-        choice: Choice,
-        removals: tuple[Removal, ...],
-        predicted: float,
-        verdict: Verdict,
-        why: str,
-        gone: Iterable[Path] = (),
-        compiled: CompiledModel | None = None,
-        score: float = float("inf"),
-        comparisons: Mapping[str, Comparison] | None = None,
-    ) -> Candidate:
-        return Candidate(
-            rows=tuple(sorted({*choice, *gone})),
-            removals=removals,
-            predicted=predicted,
+    def fewest_refused(self, choice: Choice) -> Choice:
+        """The fewest rows of a refused choice that are refused together."""
+
+        def is_refused(part: Choice) -> bool:
+            try:
+                _, compiled = self._reformulated(part)
+            except ProperModelError:
+                return True
+            return any(path not in compiled.lowered.observables for path in self.tolerances)
+
+        return fewest_refused(choice, is_refused)
+
+    def judge(self, prepared: Prepared) -> tuple[Candidate, int]:
+        """Simulate a candidate on every scenario, the hardest first, until one is outside; how many runs that took."""
+        node, compiled = prepared.node, prepared.compiled
+        comparisons: dict[str, Comparison] = {}
+        score, wall_s, simulated, why, verdict, runs = 0.0, 0.0, 0.0, "", Verdict.WITHIN, 0
+        for number in sorted(range(len(self.scenarios)), key=lambda k: -self._hardness[k]):
+            scenario = self.scenarios[number]
+            runs += 1
+            try:
+                run = run_watched(
+                    compiled,
+                    scenario,
+                    self.runs[number],
+                    self.tolerances,
+                    self._stepping,
+                    period_of(scenario, self._record_every),
+                )
+            except ProperModelError as error:  # it cannot start: a loop of the smaller model has no solution
+                verdict, why, score = Verdict.FAILED, error.diagnostics[0].message, math.inf
+                break
+            wall_s += run.wall_s
+            simulated += run.ending.time - scenario.start
+            self._hardness[number] = run.score
+            score = max(score, run.score)
+            if not run.ending.is_complete:
+                verdict, why = Verdict.FAILED, run.ending.message
+                break
+            if run.comparison is None:
+                why = f"on {scenario.name} its error had used more than the tolerance by {run.ending.time:g} s"
+            else:
+                comparisons[scenario.name] = run.comparison
+            if not score <= 1.0:
+                verdict = Verdict.OUTSIDE
+                break
+        candidate = Candidate(
+            rows=tuple(sorted({*node.choice, *self._gone(compiled)})),
+            removals=prepared.removals,
+            predicted=node.score,
             score=score,
             verdict=verdict,
             why=why,
-            states=len((compiled or self.full).system.states),
-            comparisons={} if comparisons is None else comparisons,
+            states=len(compiled.system.states),
+            comparisons=comparisons,
+            cost=wall_s / simulated if simulated > 0.0 else math.nan,
+            fragile=self._fragile(node.choice, score) if verdict is Verdict.WITHIN else (),
+        )
+        return candidate, runs
+
+    def renamed(self, known: Candidate, prepared: Prepared) -> Candidate:
+        """What is known of a model that other removals have left, for these."""
+        return replace(
+            known,
+            rows=tuple(sorted({*prepared.node.choice, *self._gone(prepared.compiled)})),
+            removals=prepared.removals,
+            predicted=prepared.node.score,
+        )
+
+    def _gone(self, compiled: CompiledModel) -> set[Path]:
+        return {row.path for row in self.full.system.rows} - {row.path for row in compiled.system.rows}
+
+    def _fragile(self, choice: Choice, score: float) -> tuple[Path, ...]:
+        """The rows that alone are predicted to change more than all of them do: errors cancel each other."""
+        alone = ((row, self.proposals.proposed({row: way})) for row, way in choice.items())
+        return tuple(sorted(row for row, single in alone if single is None or single.score > score))
+
+    def _reformulated(self, choice: Choice) -> tuple[tuple[Removal, ...], CompiledModel]:
+        """The model that a choice leaves, and the removals with the signals that keep a constant.
+
+        Raises:
+            ProperModelError: it has no equations.
+        """
+        replacements = _sorted(choice)
+        removals = (*replacements, *signals_to_freeze(self._evidence, replacements))
+        return removals, compile_quietly(self.full.model.without(removals))
+
+    def _refused(self, node: Proposed, why: str) -> Candidate:
+        return Candidate(
+            rows=tuple(sorted(node.choice)),
+            removals=_sorted(node.choice),
+            predicted=node.score,
+            score=math.inf,
+            verdict=Verdict.REFUSED,
+            why=why,
+            states=len(self.full.system.states),
         )
 
     def _run(self, compiled: CompiledModel, scenario: Scenario, record: Sequence[Path] | None) -> Trajectory:
@@ -130,6 +199,10 @@ class Trials:
             record_every=period_of(scenario, self._record_every),
             integrals_every=scenario.stop - scenario.start,
         )
+
+
+def _sorted(choice: Choice) -> tuple[Replacement, ...]:
+    return tuple(sorted(removals_of(choice), key=lambda removal: removal.bond))
 
 
 def period_of(scenario: Scenario, given: float | None) -> float:
