@@ -37,7 +37,9 @@ class Word(IntEnum):
     GREATEST = 26
     LEAST_ROWS = 27
     GREATEST_ROWS = 28
-    FIRST_RATE = 29
+    FASTEST = 29
+    NEXT_LOOK = 30
+    FIRST_RATE = 31
 
 
 class Code(IntEnum):

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from propermodel.codegen.fastest import LONGEST, LOOK_EVERY, is_too_fast, look, prepare_watch
 from propermodel.codegen.interpreted_code import AllFailed
 from propermodel.codegen.machine import (
     SAME_INSTANT,
@@ -25,6 +27,7 @@ from propermodel.codegen.machine import (
     sample_periods,
     state_failures,
 )
+from propermodel.codegen.program import Array
 from propermodel.codegen.step_control import (
     LEAST_ERROR_BEFORE,
     MOST_FACTOR,
@@ -57,6 +60,9 @@ class Loop:
         self._near = request.step * SAME_INSTANT
         self._event_step = 0.0
         open_extremes(memory, request)
+        self._is_watching = request.is_watched and machine.lanes == 1 and machine.method in LONGEST
+        if self._is_watching:
+            prepare_watch(memory)
         memory.rows_taken = count_from(memory, request, memory.rows_taken, request.row_period)
         memory.integral_rows_taken = count_from(memory, request, memory.integral_rows_taken, request.integral_period)
         if machine.lanes == 1:
@@ -173,9 +179,28 @@ class Loop:
             if (i + 1) % STEPS_BETWEEN_CHECKS == 0 and len(state_failures(memory)) == memory.alive.sum():
                 memory.time = start + (i + 1) * h
                 self._check()
+            if (i + 1) % STEPS_BETWEEN_CHECKS == 0:
+                self._look(start + (i + 1) * h, h)
         memory.time = end
         self._machine.close(self._run, end)
+        self._check()
+        if self._look(end, h) and is_too_fast(memory, self._machine.method, h):
+            return Status.PAUSED
         return None
+
+    def _look(self, time: float, h: float) -> bool:
+        """Look at the fastest mode in the middle of the last step where that is due; nothing else is changed."""
+        memory = self._memory
+        if not self._is_watching or memory.steps_taken < memory.next_look:
+            return False
+        memory.next_look = memory.steps_taken + LOOK_EVERY
+        state, unknown, failures = memory.state.copy(), memory.unknown.copy(), len(self._run.failures)
+        memory.state -= self._run.arrays[Array.RATE] * (h * 0.5)
+        with suppress(AllFailed):
+            look(memory, lambda: self._machine.rates_at(self._run, time))
+        memory.state[:], memory.unknown[:], memory.alive[:] = state, unknown, True
+        del self._run.failures[failures:]
+        return True
 
     def _check(self) -> None:
         for failure in state_failures(self._memory):

@@ -6,14 +6,16 @@ from __future__ import annotations
 from propermodel.codegen.control_block import Code
 from propermodel.codegen.llvm_events import compare_lines, event_lines, keep_lines
 from propermodel.codegen.llvm_extremes import watch_lines
+from propermodel.codegen.llvm_fastest import look_lines
 from propermodel.codegen.llvm_implicit import close_failed_lines, close_lines
 from propermodel.codegen.llvm_text import Frame, literal
 from propermodel.codegen.machine import SAME_INSTANT, STEPS_BETWEEN_CHECKS
 from propermodel.codegen.program import Program
 
 
-def fixed_tick_lines(program: Program, frame: Frame, soonest: str) -> list[str]:
+def fixed_tick_lines(program: Program, frame: Frame, soonest: str, *, is_watching: bool) -> list[str]:
     """From the block `plan` to `instant`, or to one of the ends of the call."""
+    well = "watched" if is_watching else "instant"
     return [
         f"  %span = fsub double {soonest}, %t",
         "  %share = fdiv double %span, %dt",
@@ -43,6 +45,7 @@ def fixed_tick_lines(program: Program, frame: Frame, soonest: str) -> list[str]:
         "  %is.glance = icmp eq i64 %i.rest, 0",
         "  br i1 %is.glance, label %glance, label %step.end",
         "glance:",
+        *(_glance_lines() if is_watching else ()),
         "  %glance.code = call i32 @check(ptr %w)",
         "  %glance.bad = icmp eq i32 %glance.code, 2",
         "  br i1 %glance.bad, label %glance.failed, label %step.end",
@@ -56,7 +59,8 @@ def fixed_tick_lines(program: Program, frame: Frame, soonest: str) -> list[str]:
         f"  store double {soonest}, ptr %time.at, align 8",
         "  %code = call i32 @check(ptr %w)",
         "  %is.bad = icmp ne i32 %code, 0",
-        "  br i1 %is.bad, label %state.failed, label %instant",
+        f"  br i1 %is.bad, label %state.failed, label %{well}",
+        *(_watched_lines(soonest) if is_watching else ()),
         "glance.failed:",
         "  %g.steps = add i64 %steps.before, %i.next",
         "  store i64 %g.steps, ptr %steps.taken.at, align 8",
@@ -90,4 +94,21 @@ def _watch_lines(soonest: str) -> list[str]:
         f"  %seen.at = select i1 %seen.last, double {soonest}, double %seen.within",
         *watch_lines("step", "%seen.at", "seen", "watch.failed"),
         "seen:",
+    ]
+
+
+def _glance_lines() -> list[str]:
+    """Look at the fastest mode within a long tick, which goes on whatever is seen."""
+    return [
+        "  %glance.steps = add i64 %steps.before, %i.next",
+        *look_lines("glance", "%glance.steps", "%seen.at"),
+    ]
+
+
+def _watched_lines(soonest: str) -> list[str]:
+    """Look at it at the end of a tick, and pause where steps seem to be too long."""
+    return [
+        "watched:",
+        *look_lines("watched", "%steps.after", soonest),
+        "  br i1 %watched.is.fast, label %paused, label %instant",
     ]

@@ -45,6 +45,7 @@ def word_lines(rates: int) -> list[str]:
         ("steps.rejected", Word.STEPS_REJECTED),
         ("next.step", Word.NEXT_STEP),
         ("last.error", Word.LAST_ERROR),
+        ("next.look", Word.NEXT_LOOK),
         *((f"sample.number{k}", Word.FIRST_RATE + 2 * k + 1) for k in range(rates)),
     ):
         lines.append(f"  %{name}.at = getelementptr inbounds i64, ptr %c, i64 {int(place)}")

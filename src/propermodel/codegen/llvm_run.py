@@ -6,6 +6,7 @@ from __future__ import annotations
 from propermodel.codegen.control_block import Code
 from propermodel.codegen.llvm_adaptive_tick import adaptive_tick_lines
 from propermodel.codegen.llvm_extremes import kept_unknowns, write_extremes
+from propermodel.codegen.llvm_fastest import is_watching, write_look
 from propermodel.codegen.llvm_fixed_tick import fixed_tick_lines
 from propermodel.codegen.llvm_instants import (
     due_lines,
@@ -20,13 +21,15 @@ from propermodel.codegen.machine import SAME_INSTANT, Method
 from propermodel.codegen.program import Program
 
 
-def write_run(module: Module, program: Program, method: Method) -> None:
+def write_run(module: Module, program: Program, method: Method, state_rows: int) -> None:
     """Write `run`, the loop over ticks."""
+    watches = is_watching(method, module.frame.shape.lanes)
+    if watches:
+        write_look(module, program, method, state_rows)
     write_extremes(module, program)
     frame = module.frame
     rates = len(program.samples)
     soonest, plan = plan_lines(rates)
-    tick = adaptive_tick_lines if method.is_adaptive else fixed_tick_lines
     lines = [
         "entry:",
         *word_lines(rates),
@@ -52,7 +55,11 @@ def write_run(module: Module, program: Program, method: Method) -> None:
         "  %ticks.next = sub i64 %ticks, 1",
         "  store i64 %ticks.next, ptr %ticks.at, align 8",
         *plan,
-        *tick(program, frame, soonest),
+        *(
+            adaptive_tick_lines(program, frame, soonest)
+            if method.is_adaptive
+            else fixed_tick_lines(program, frame, soonest, is_watching=watches)
+        ),
         *(
             line
             for label, code in (

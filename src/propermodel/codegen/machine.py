@@ -128,9 +128,10 @@ class Memory:
     activity: FloatArray  # of its absolute value
     lower: FloatArray  # limits of every state
     upper: FloatArray
-    size: FloatArray  # the largest magnitude of every state so far, where steps are controlled
+    size: FloatArray  # the largest magnitude of every state so far, where steps are controlled or watched
     least: FloatArray  # of every selected signal since the last row, where a request asks for extremes
     greatest: FloatArray
+    direction: FloatArray  # of the fastest mode, each state in its size, where it is watched
     tables: tuple[TableData, ...]
     samples_taken: IntArray  # for each rate
     alive: BoolArray
@@ -139,6 +140,8 @@ class Memory:
     steps_taken: int = 0
     steps_rejected: int = 0  # too inaccurate, and taken again shorter
     next_step: float = 0.0  # of a method that controls it, s; 0: not yet chosen
+    fastest: float = 0.0  # estimate of the fastest eigenvalue, 1/s, where it is watched (`fastest.py`)
+    next_look: int = 0  # number of steps after which it is looked for again
     last_error: float = 1.0  # of the last step that was not cut by an instant, as a share of what is tolerated
 
     def copy(self) -> Memory:
@@ -184,6 +187,7 @@ def start_memory(
         size=np.zeros_like(state),
         least=np.zeros(0),
         greatest=np.zeros(0),
+        direction=np.zeros(0),
         tables=tuple(tables),
         samples_taken=np.zeros(len(program.samples), dtype=np.int64),
         alive=np.ones(lanes, dtype=np.bool_),
@@ -215,6 +219,7 @@ class Request:
     most_rows: int = 4096  # room for rows of each kind; when it is used up, the run pauses
     most_ticks: int = 1_000_000
     jacobian_every: int = 1  # steps that an implicit method takes with one Jacobian, within a tick
+    is_watched: bool = False  # whether one lane with steps of one length also pauses where these seem to be unstable
     tolerance: float = 1e-4  # error of a state in one step, as a share of its size, where steps are controlled
     least_sizes: FloatArray = field(default_factory=_no_numbers)  # that states count as having; none: LEAST_SIZE
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from propermodel.codegen.control_block import Code
+from propermodel.codegen.fastest import prepare_watch
 from propermodel.codegen.llvm_compiler import Effort, Library
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS
 from propermodel.codegen.machine import (
@@ -91,6 +92,8 @@ class NativeMachine:
         if self._method.is_adaptive:
             prepare_control(self, memory, request)
         open_extremes(memory, request)
+        if request.is_watched:
+            prepare_watch(memory)
         work = self._work(memory)
         if self._method.is_adaptive:
             work.set_least_sizes(least_sizes(memory, request))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from propermodel.codegen.control_block import Word
+from propermodel.codegen.fastest import NEVER
 from propermodel.codegen.llvm_tables import AXIS_WORDS, DESCRIPTOR_WORDS
 from propermodel.codegen.machine import (
     Failure,
@@ -24,7 +25,8 @@ from propermodel.codegen.print_program import Arrangement
 from propermodel.codegen.program import Array, Program
 from propermodel.codegen.tables import PreparedTable, prepare_tables
 
-_SIZE = "size"  # a region of code that controls its steps
+_SIZE = "size"  # a region of code that controls its steps, or watches them
+_DIRECTION = "direction"  # of code that watches its steps
 _LARGEST = float(np.finfo(np.float64).max)
 
 
@@ -72,6 +74,8 @@ class Work:
             block[before : before + memory.guard.size] = self._rows(memory.guard)
         if _SIZE in regions:
             block[regions[_SIZE] + self._state_rows] = self._rows(memory.size)
+        if _DIRECTION in regions and memory.direction.size:
+            block[regions[_DIRECTION] + self._state_rows] = self._rows(memory.direction)
         self.read_alive()
 
     def set_least_sizes(self, sizes: FloatArray) -> None:
@@ -118,6 +122,8 @@ class Work:
         self._rows(memory.state)[...] = block[regions[Array.STATE] + self._state_rows]
         if _SIZE in regions:
             self._rows(memory.size)[...] = block[regions[_SIZE] + self._state_rows]
+        if _DIRECTION in regions and memory.direction.size:
+            self._rows(memory.direction)[...] = block[regions[_DIRECTION] + self._state_rows]
         if memory.guard.size:
             before = regions["guard.before"]
             self._rows(memory.guard)[...] = block[before : before + memory.guard.size]
@@ -213,6 +219,9 @@ class Control:
         numbers[Word.NEXT_STEP] = memory.next_step
         numbers[Word.LAST_ERROR] = memory.last_error
         words[Word.STEPS_REJECTED] = memory.steps_rejected
+        numbers[Word.FASTEST] = memory.fastest
+        words[Word.NEXT_LOOK] = memory.next_look if request.is_watched else NEVER
+        self._is_watched = request.is_watched
         if request.has_extremes:
             words[Word.LEAST] = memory.least.ctypes.data
             words[Word.GREATEST] = memory.greatest.ctypes.data
@@ -231,6 +240,9 @@ class Control:
         memory.steps_taken = int(words[Word.STEPS_TAKEN])
         memory.next_step = float(self._numbers[Word.NEXT_STEP])
         memory.last_error = float(self._numbers[Word.LAST_ERROR])
+        memory.fastest = float(self._numbers[Word.FASTEST])
+        if self._is_watched:
+            memory.next_look = int(words[Word.NEXT_LOOK])
         memory.steps_rejected = int(words[Word.STEPS_REJECTED])
         memory.samples_taken[:] = words[Word.FIRST_RATE + 1 :: 2]
 

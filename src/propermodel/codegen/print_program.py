@@ -11,6 +11,7 @@ import numpy as np
 
 from propermodel.codegen.llvm_attempt import reserve_attempt, write_attempt
 from propermodel.codegen.llvm_events import reserve_events, write_events
+from propermodel.codegen.llvm_fastest import is_watching, reserve_watch
 from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS, Writer
 from propermodel.codegen.llvm_implicit import reserve_implicit
 from propermodel.codegen.llvm_newton import LARGEST_STRAIGHT
@@ -90,7 +91,7 @@ def print_program(
     write_entries(module, program)
     if program.guards is not None:
         write_events(module, program, method, count)
-    write_run(module, program, method)
+    write_run(module, program, method, count)
     text = module.text() + "\n" + TABLE_FUNCTIONS
     rows = np.array([state_rows[i] for i in range(len(state_rows))], dtype=np.int64)
     return Source(text, Arrangement(lanes, frame.rows, frame.regions, dict(lengths), rows))
@@ -114,6 +115,8 @@ def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) ->
         reserve_implicit(frame, program)
     if method.is_adaptive:
         reserve_attempt(frame, program, EXPLICIT_TABLEAUS.get(method), state_rows)
+    if is_watching(method, frame.shape.lanes):
+        reserve_watch(frame, program, state_rows)
     if program.guards is not None:
         reserve_events(frame, program, state_rows)
     frame.reserve("trial", size)

@@ -58,6 +58,7 @@ _OF_A_LANE = (
     "size",
     "least",
     "greatest",
+    "direction",
 )
 
 

@@ -28,6 +28,7 @@ from propermodel.simulation.recording import FileStore, MemoryStore, Recording, 
 from propermodel.simulation.recovery import entries_for
 from propermodel.simulation.stability import note_on_step
 from propermodel.simulation.start import Start, begin, start_of
+from propermodel.simulation.step_watch import StepWatch
 from propermodel.simulation.stepping import DEFAULT_TOLERANCE, Stepping
 from propermodel.simulation.stopping import add_guard, drop_guard, stopping
 from propermodel.simulation.trajectory import Ending, RunStatus, Statistics, Trajectory, outside_tables
@@ -131,10 +132,10 @@ def simulate(
             begin(compiled, scenario)
     faults.raise_if_any()
     longest = stepping.longest(record_every, integrals_every, scenario.stop - scenario.start)
+    note = None
     if continued_from is None:
         begun = _begun(compiled, scenario, start)
         memory, notes = begun.memory, begun.notes
-        note = None
         if method == AUTO:
             stepping, note = choose(compiled, memory, stepping, longest, scenario.stop)
         else:
@@ -156,6 +157,7 @@ def simulate(
         integral_period=integrals_every,
         selected=selected,
         has_extremes=record_extremes,
+        is_watched=note is None,
         most_rows=2000,
         most_ticks=200,
         jacobian_every=jacobian_every,
@@ -185,6 +187,7 @@ def simulate(
             )
         )
         recording = Recording(store, selected, memory)
+        watch = StepWatch(compiled, machine, longest, scenario.stop - scenario.start)
         events = Events(run_model, machine, longest, recording.keep_signals, earlier, is_stopping=until is not None)
 
         def stand() -> StoredProgress:
@@ -194,9 +197,10 @@ def simulate(
                 statistics=Statistics(memory.steps_taken, wall_s, build_s, memory.steps_rejected),
                 events=events.records,
                 outside_tables=outside_tables(compiled, memory),
+                notes=() if watch.note is None else (watch.note,),
             )
 
-        outcome = _run(machine, memory, request, recording, progress, scenario, events, stand)
+        outcome = _run(machine, memory, request, recording, progress, scenario, events, stand, watch)
         stood = stand()
         ending = ending_of(run_model, outcome, memory, recording.before, recording.overflow, taken)
         recorded = recording.finish(stood, ending, memory if isinstance(outcome, Ending) else None)
@@ -217,7 +221,7 @@ def simulate(
         ending=recorded.ending,
         statistics=stood.statistics,
         events=events.records,
-        notes=notes,
+        notes=(*notes, *stood.notes),
     )
 
 
@@ -240,6 +244,7 @@ def _run(
     scenario: Scenario,
     events: Events,
     stand: Callable[[], StoredProgress],
+    watch: StepWatch,
 ) -> Outcome | Ending | None:
     """Run to the end, returning often.
 
@@ -255,6 +260,7 @@ def _run(
             before = time.perf_counter()
             outcome = machine.run(memory, request)
             taken = time.perf_counter() - before
+            watch.heed(memory)
             recording.keep(outcome, stand)
             if progress is not None:
                 progress(Progress(memory.time, scenario.start, scenario.stop, time.perf_counter() - begin_wall))
@@ -315,6 +321,7 @@ def _continue(compiled: CompiledModel, scenario: Scenario, earlier: Trajectory) 
         )
     # Extremes between rows begin anew, as what is recorded may be another.
     memory = replace(earlier.memory.copy(), least=np.zeros(0), greatest=np.zeros(0))
+    memory.fastest, memory.next_look = 0.0, memory.steps_taken
     if not scenario.stop > memory.time:
         raise SimulationError.of(
             "simulation/window",

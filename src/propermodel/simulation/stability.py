@@ -65,7 +65,7 @@ def step_limit(
 
 def note_on_step(compiled: CompiledModel, memory: Memory, method: Method, step: float, window: float) -> str | None:
     """What to say where a step is too long at the start of a run; nothing about large models."""
-    limit = _limit_below(compiled, memory, method, step, window)
+    limit = limit_below(compiled, memory, method, step, window)
     if limit is None:
         return None
     return f"a step of {step:g} s is too long at the start: {limit}; take a smaller step, or the method ros2 or rodas"
@@ -73,7 +73,7 @@ def note_on_step(compiled: CompiledModel, memory: Memory, method: Method, step: 
 
 def reason_in_step(compiled: CompiledModel, before: Memory, method: Method, step: float) -> str | None:
     """What to say where numbers have grown without end shortly after an instant, if the step was too long there."""
-    limit = _limit_below(compiled, before, method, step, GROWTH * step)
+    limit = limit_below(compiled, before, method, step, GROWTH * step)
     if limit is None:
         return None
     return (
@@ -82,7 +82,7 @@ def reason_in_step(compiled: CompiledModel, before: Memory, method: Method, step
     )
 
 
-def _limit_below(
+def limit_below(
     compiled: CompiledModel, memory: Memory, method: Method, step: float, window: float
 ) -> StepLimit | None:
     """The limit, if a step is beyond it; none for methods that look after it themselves, and for large models."""

@@ -87,6 +87,7 @@ class StoredProgress:
     statistics: Statistics
     events: tuple[EventRecord, ...] = ()
     outside_tables: tuple[TableUse, ...] = ()
+    notes: tuple[str, ...] = ()  # on what was found on the way
     ending: Ending | None = None
 
 
@@ -130,6 +131,7 @@ PROGRESS = record(
     time=_ANY_NUMBER,
     statistics=record(Statistics, steps=COUNT, wall_s=FINITE, build_s=FINITE, rejected=COUNT),
     events=many(record(EventRecord, time=FINITE, element=_NAMES, energy_before=_ANY_NUMBER, energy_after=_ANY_NUMBER)),
+    notes=many(TEXT),
     outside_tables=many(record(TableUse, path=_NAMES, seconds=FINITE)),
     ending=optional(record(Ending, status=choice(RunStatus), message=TEXT, time=_ANY_NUMBER, path=_NAMES)),
 )
