@@ -14,6 +14,7 @@ from propermodel.cli.models import load_subject
 from propermodel.drawing.depict import depict
 from propermodel.report.certify import certify_study
 from propermodel.report.page import write_page
+from propermodel.report.page_data import page_data, subject_of_study
 from propermodel.report.study import ReductionStudy, StudyOptions, run_study
 from tests.drawing.pictures import ROOT
 
@@ -40,7 +41,7 @@ def truck() -> ReductionStudy:
 
 def write(name: str, study: ReductionStudy) -> None:
     """One page with its expectations."""
-    write_page(study, certify_study(study).certificate, FOLDER / f"{name}.html")
+    write_page(page_data(subject_of_study(study, certify_study(study).certificate)), FOLDER / f"{name}.html")
     picture = depict(study.reduced_model)
     thresholds = [round(float(t), 4) for t in np.linspace(0.5, 1.0, 26)]
     expected = {

@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from propermodel.reduction.certificate_files import write_certificate
 from propermodel.report.buckets import extremes, packed
 from propermodel.report.certify import certify_study
-from propermodel.report.page import page_data, page_text, write_page
+from propermodel.report.page import page_text, write_page
+from propermodel.report.page_data import page_data, subject_of_certified, subject_of_study
 from propermodel.report.study import ReductionStudy
 from tests.browser.pages import quarter_car
+from tests.cli.test_commands import succeed
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +26,7 @@ def study() -> ReductionStudy:
 @pytest.fixture(scope="module")
 def text(study: ReductionStudy, tmp_path_factory: pytest.TempPathFactory) -> str:
     file = tmp_path_factory.mktemp("page") / "report.html"
-    write_page(study, certify_study(study).certificate, file)
+    write_page(page_data(subject_of_study(study, certify_study(study).certificate)), file)
     return file.read_text(encoding="utf-8")
 
 
@@ -46,7 +49,7 @@ def test_the_data_in_the_file_are_those_of_the_study(text: str, study: Reduction
 
 def test_text_of_a_model_cannot_end_the_data(study: ReductionStudy, tmp_path: Path):
 
-    data = page_data(study, certify_study(study).certificate)
+    data = page_data(subject_of_study(study, certify_study(study).certificate))
     text = page_text({**data, "model": "</script><script>alert(1)</script>"})
     assert "<script>alert" not in text
     assert "&lt;/script&gt;" in text  # in the title
@@ -71,3 +74,21 @@ def test_packed_values_are_little_endian_and_gaps_are_nan():
     values = np.frombuffer(base64.b64decode(packed(np.array([1.5, np.inf]))), dtype="<f4")
     assert values[0] == 1.5
     assert np.isnan(values[1])
+
+
+def test_a_certificate_is_enough_for_a_page(study: ReductionStudy):
+    certified = certify_study(study)
+    data = page_data(subject_of_certified(certified))
+    whole = page_data(subject_of_study(study, certified.certificate))
+    assert data["facts"][:2] == whole["facts"][:2]
+    assert data["picture"] == whole["picture"]
+    assert [row["verdict"] for row in data["rows"]] == [row["verdict"] for row in whole["rows"]]
+    assert data["outputs"] == whole["outputs"]
+    assert data["tried"] is None
+
+
+def test_the_command_writes_the_page_of_a_folder(study: ReductionStudy, tmp_path: Path):
+    write_certificate(certify_study(study), tmp_path)
+    printed = succeed("report", tmp_path, "-o", tmp_path / "page.html")
+    assert "needs nothing else" in printed
+    assert "default-src 'none'" in (tmp_path / "page.html").read_text(encoding="utf-8")

@@ -6,16 +6,18 @@ import { render } from "preact";
 import type { ComponentChildren } from "preact";
 import type { StudyData } from "./views/data.ts";
 import { Element } from "./views/element.tsx";
+import { FrontView } from "./views/front.tsx";
 import { GraphView } from "./views/graph.tsx";
 import { LanesView } from "./views/lanes.tsx";
 import { placerFrom } from "./views/placer.ts";
 import { RankingView } from "./views/ranking.tsx";
 import { State } from "./views/state.ts";
-import { Balances, Facts, Outputs, Pairs, Plain } from "./views/tables.tsx";
+import { Balances, Certificate, Facts, Outputs, Pairs } from "./views/tables.tsx";
 
 const SECTIONS = [
   ["summary", "Summary"],
   ["graph", "Bond graph"],
+  ["search", "Search"],
   ["ranking", "Activity"],
   ["outputs", "Full and reduced"],
   ["energy", "Energy"],
@@ -35,7 +37,7 @@ function Section({ id, title, children }: { id: string; title: string; children:
 function Report({ state, engine }: { state: State; engine: HTMLElement }) {
   const { data } = state;
   const placer = placerFrom(engine);
-  const there = SECTIONS.filter(([id]) => id !== "certificate" || data.certificate !== null);
+  const there = SECTIONS.filter(([id]) => id !== "search" || data.tried !== null);
   return (
     <>
       <header>
@@ -73,6 +75,11 @@ function Report({ state, engine }: { state: State; engine: HTMLElement }) {
           <GraphView state={state} placer={placer} />
           <Element state={state} />
         </Section>
+        {data.tried !== null && (
+          <Section id="search" title="Models tried">
+            <FrontView tried={data.tried} />
+          </Section>
+        )}
         <Section id="ranking" title="Activity and decisions">
           <RankingView state={state} />
         </Section>
@@ -83,11 +90,9 @@ function Report({ state, engine }: { state: State; engine: HTMLElement }) {
         <Section id="energy" title="Energy">
           <Balances data={data} />
         </Section>
-        {data.certificate !== null && (
-          <Section id="certificate" title="Certificate">
-            <Plain value={data.certificate} />
-          </Section>
-        )}
+        <Section id="certificate" title="Certificate">
+          <Certificate lines={data.certificate} />
+        </Section>
         <Section id="made" title="How it was made">
           <Pairs pairs={data.made} />
         </Section>

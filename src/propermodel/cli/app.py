@@ -15,6 +15,7 @@ from propermodel.cli.linearise import linearise
 from propermodel.cli.partition import partition
 from propermodel.cli.rank import rank
 from propermodel.cli.reduce import reduce
+from propermodel.cli.report import report
 from propermodel.cli.run import run
 from propermodel.cli.sensitivities import sensitivities
 from propermodel.cli.show import show
@@ -49,6 +50,7 @@ app.command()(linearise)
 app.command()(sensitivities)
 app.command()(show)
 app.command()(draw)
+app.command()(report)
 app.command()(check)
 app.command()(demo)
 app.command()(cache)

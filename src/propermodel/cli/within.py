@@ -33,6 +33,8 @@ def reduce_within(
     from propermodel.reduction.certificate_files import write_certificate
     from propermodel.reduction.certify import certify
     from propermodel.reduction.search import find_proper_model
+    from propermodel.report.page import write_page
+    from propermodel.report.page_data import page_data, subject_of_certified
 
     compiled = compile_model(subject.model)
     wanted = _tolerances(compiled, subject, tolerances)
@@ -56,6 +58,8 @@ def reduce_within(
         write_model(found.reduced(), out / "reduced_model.json")
     else:
         write_certificate(certified, out)
+        page = subject_of_certified(certified, search=found, totals=subject.totals, panels=subject.panels)
+        write_page(page_data(page), out / "report.html")
     if as_json:
         typer.echo(json.dumps(report, indent=2))
         return
@@ -67,6 +71,7 @@ def reduce_within(
     ]
     if certified is not None:
         screen.print(*(f"warning: {warning}" for warning in certified.certificate.warnings))
+        files.insert(0, ("report.html", "everything of this search in one page, to be mailed and opened anywhere"))
         files.append(("certificate.json", "what it rests on; propermodel verify repeats it"))
     for name, meaning in files:
         screen.print(f"{(out / name).as_posix()}  {meaning}")

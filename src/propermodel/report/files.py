@@ -11,6 +11,7 @@ from propermodel.modelling.documents import write_model, write_scenario
 from propermodel.reduction.certificate_files import write_certificate
 from propermodel.report.certify import certify_study
 from propermodel.report.page import write_page
+from propermodel.report.page_data import page_data, subject_of_study
 from propermodel.report.study import ReductionStudy, StudySoFar
 from propermodel.report.summary import write_outputs, write_ranking, write_summary
 from propermodel.simulation.storage import save_trajectory
@@ -36,7 +37,7 @@ def write_study(study: ReductionStudy, folder: FilePath) -> tuple[dict[str, Any]
     figures = write_figures(study, folder)
     certified = certify_study(study)
     write_certificate(certified, folder)
-    write_page(study, certified.certificate, folder / "report.html")
+    write_page(page_data(subject_of_study(study, certified.certificate)), folder / "report.html")
     write_scenario(study.reduced.scenario, folder / "reduced_scenario.json")
     save_trajectory(study.full, folder / "full.npz", only=_worth_keeping(study, study.full))
     save_trajectory(study.reduced, folder / "reduced.npz", only=_worth_keeping(study, study.reduced))

@@ -48,6 +48,16 @@ export interface BalanceData {
   readonly sources: readonly { readonly path: string; readonly work: number }[];
 }
 
+/** A model that a search has tried. */
+export interface Tried {
+  readonly rows: number; // that stay
+  readonly states: number;
+  readonly score: number | null; // largest error over its tolerance
+  readonly predicted: number | null;
+  readonly verdict: string;
+  readonly mark: "" | "recommended" | "smallest";
+}
+
 export interface StudyData {
   readonly format: "propermodel report";
   readonly version: 1;
@@ -63,8 +73,9 @@ export interface StudyData {
   readonly outputs: readonly OutputRow[];
   readonly balances: { readonly full: BalanceData; readonly reduced: BalanceData };
   readonly signals: { readonly times: string; readonly items: readonly SignalData[] };
+  readonly tried: readonly Tried[] | null;
   readonly made: readonly { readonly name: string; readonly value: string }[];
-  readonly certificate: unknown;
+  readonly certificate: readonly string[]; // lines of its text
 }
 
 /** The numbers in a text of little-endian float32 values. */

@@ -99,30 +99,7 @@ export function Pairs({ pairs }: { pairs: readonly { readonly name: string; read
   );
 }
 
-/** Plain data as nested lists, for documents whose form belongs to others. */
-export function Plain({ value }: { value: unknown }) {
-  if (value === null || typeof value !== "object") return <span>{String(value)}</span>;
-  if (Array.isArray(value)) {
-    return (
-      <ul>
-        {value.map((item, i) => (
-          <li key={i}>
-            <Plain value={item} />
-          </li>
-        ))}
-      </ul>
-    );
-  }
-  return (
-    <dl>
-      {Object.entries(value).map(([name, item]) => (
-        <>
-          <dt key={name}>{name.replace(/_/g, " ")}</dt>
-          <dd>
-            <Plain value={item} />
-          </dd>
-        </>
-      ))}
-    </dl>
-  );
+/** The certificate as its reader gets it in a terminal. */
+export function Certificate({ lines }: { lines: readonly string[] }) {
+  return <pre tabIndex={0}>{lines.join("\n")}</pre>;
 }

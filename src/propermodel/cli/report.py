@@ -1,0 +1,24 @@
+"""`propermodel report`: the page of a certified model."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Annotated
+
+import typer
+
+
+def report(
+    certificate: Annotated[str, typer.Argument(help="A certificate, or the folder of a reduction.", metavar="FILE")],
+    output: Annotated[FilePath, typer.Option("-o", "--output", help="The HTML file to write.", metavar="FILE")],
+) -> None:
+    """Run a reduced model beside the full one again, and write what there is to know of it as one page."""
+    from propermodel.reduction.certificate_files import read_certificate
+    from propermodel.report.page import write_page
+    from propermodel.report.page_data import page_data, subject_of_certified
+
+    given = FilePath(certificate)
+    certified = read_certificate(given / "certificate.json" if given.is_dir() else given)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    write_page(page_data(subject_of_certified(certified)), output)
+    typer.echo(f"{output.as_posix()}  {output.stat().st_size / 1e6:.1f} MB, needs nothing else")

@@ -1,0 +1,289 @@
+"""What the page of a reduction shows, as plain data: from a study, or from a certificate whose models are run again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from propermodel.analysis.activity import ActivityRanking, Discretisation, bond_activities, rank_activity
+from propermodel.analysis.balance import EnergyBalance, energy_balance
+from propermodel.analysis.comparison import OutputError, compare
+from propermodel.codegen.machine import FloatArray
+from propermodel.codegen.versions import versions
+from propermodel.compiler import compile_quietly
+from propermodel.diagnostics import Path, parse_path
+from propermodel.drawing.depict import depict
+from propermodel.modelling.model import Removal
+from propermodel.reduction.candidates import ProperModelSearch
+from propermodel.reduction.certificate import Certificate
+from propermodel.reduction.certify import CertifiedModel
+from propermodel.reduction.fitting import fitting_scenario
+from propermodel.report.buckets import extremes, packed
+from propermodel.report.panels import Display, Panel, Series, display_for
+from propermodel.report.study import ReductionStudy
+from propermodel.report.summary import removal_text
+from propermodel.report.timeline import column_of
+from propermodel.simulation.simulate import simulate
+from propermodel.simulation.trajectory import Trajectory
+
+FORMAT = "propermodel report"
+VERSION = 1
+INTERVALS = 1000  # of each signal
+USUAL_THRESHOLD = 0.99  # where none was used
+
+Json = Any
+
+
+@dataclass(frozen=True, slots=True)
+class Fate:
+    """What became of a row: kept, removed or refused; what stands in its place; and why."""
+
+    verdict: str
+    meaning: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PageSubject:
+    """A reduction with the runs of both models on one scenario, and what else is known of it."""
+
+    certificate: Certificate
+    full: Trajectory
+    reduced: Trajectory
+    ranking: ActivityRanking
+    fates: Mapping[Path, Fate]
+    threshold: float
+    outputs: tuple[Path, ...]
+    totals: Mapping[str, Path] = field(default_factory=dict[str, Path])
+    panels: tuple[Panel, ...] = ()
+    facts: tuple[tuple[str, str, str], ...] = ()  # more of them: name, value, note
+    notes: tuple[str, ...] = ()
+    removals: tuple[Removal, ...] = ()
+    search: ProperModelSearch | None = None
+
+
+def subject_of_study(study: ReductionStudy, certificate: Certificate) -> PageSubject:
+    """What the page of a study of activity shows."""
+    facts: list[tuple[str, str, str]] = []
+    if study.speed is not None:
+        facts.append(("faster", f"{study.speed.ratio:.2f} times", "same method and step"))
+    if study.best_steps is not None and study.best_steps.speed is not None:
+        facts.append(("faster at best steps", f"{study.best_steps.speed.ratio:.2f} times", "same error of the outputs"))
+    reduction = study.reduction
+    return PageSubject(
+        certificate=certificate,
+        full=study.full,
+        reduced=study.reduced,
+        ranking=study.ranking,
+        fates={d.row.path: Fate(d.verdict.value, d.meaning, d.reason) for d in reduction.decisions},
+        threshold=reduction.threshold,
+        outputs=study.compared,
+        totals=study.options.totals,
+        panels=study.options.panels,
+        facts=tuple(facts),
+        notes=reduction.notes,
+        removals=reduction.removals,
+    )
+
+
+def subject_of_certified(
+    certified: CertifiedModel,
+    *,
+    search: ProperModelSearch | None = None,
+    totals: Mapping[str, Path] | None = None,
+    panels: Iterable[Panel] = (),
+) -> PageSubject:
+    """What the page of a certified model shows, after running both models on the first scenario.
+
+    Raises:
+        SimulationError: a scenario does not fit its model.
+    """
+    claim, certificate = certified.claim, certified.certificate
+    condition = claim.conditions[0]
+    whole, left = compile_quietly(claim.model), compile_quietly(claim.reduced)
+    full, reduced = (
+        simulate(
+            compiled,
+            scenario,
+            method=claim.stepping.method,
+            step=claim.stepping.step,
+            jacobian_every=claim.stepping.jacobian_every,
+            tolerance=claim.stepping.tolerance,
+            record_every=condition.record_every,
+            integrals_every=condition.integrals_every,
+        )
+        for compiled, scenario in (
+            (whole, condition.scenario),
+            (left, fitting_scenario(left, condition.scenario)),
+        )
+    )
+    gone = {row.row: row for row in certificate.removed}
+    fates = {
+        row.path: Fate("removed", "", gone[row.path].why) if row.path in gone else Fate("kept", "", "")
+        for row in whole.system.rows
+    }
+    return PageSubject(
+        certificate=certificate,
+        full=full,
+        reduced=reduced,
+        ranking=rank_activity(full),
+        fates=fates,
+        threshold=USUAL_THRESHOLD,
+        outputs=claim.outputs,
+        totals=totals or {},
+        panels=tuple(panels),
+        removals=claim.removals,
+        search=search,
+    )
+
+
+def page_data(subject: PageSubject) -> Json:
+    """All that a page shows, as plain data."""
+    full, ranking = subject.full, subject.ranking
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "model": full.compiled.model.name,
+        "scenario": full.scenario.name,
+        "window": [float(full.time[0]), float(full.time[-1])],
+        "threshold": subject.threshold,
+        "facts": [{"name": name, "value": value, "note": note} for name, value, note in _facts(subject)],
+        "picture": depict(subject.reduced.compiled, ranking, bond_activities(full)).document(),
+        "rows": [
+            {
+                "path": str(row.path),
+                "kind": row.kind,
+                "activity": row.activity,
+                "index": row.index,
+                "cumulative": row.cumulative,
+                "verdict": subject.fates[row.path].verdict,
+                "meaning": subject.fates[row.path].meaning,
+                "reason": subject.fates[row.path].reason,
+            }
+            for row in ranking.rows
+        ],
+        "totalActivity": ranking.total,
+        "notes": [*subject.certificate.warnings, *subject.notes],
+        "outputs": [_output(error) for error in compare(full, subject.reduced, subject.outputs).outputs],
+        "balances": {"full": _balance(energy_balance(full)), "reduced": _balance(energy_balance(subject.reduced))},
+        "signals": _signals(subject),
+        "tried": None if subject.search is None else _tried(subject.search),
+        "made": _made(subject),
+        "certificate": str(subject.certificate).splitlines(),
+    }
+
+
+def _facts(subject: PageSubject) -> list[tuple[str, str, str]]:
+    full, reduced, certificate = subject.full, subject.reduced, subject.certificate
+    kept = [row for row in subject.ranking.rows if subject.fates[row.path].verdict != "removed"]
+    facts = [
+        ("energy elements", f"{certificate.full.rows} → {certificate.reduced.rows}", "that store or dissipate"),
+        ("states", f"{certificate.full.states} → {certificate.reduced.states}", "of the equations"),
+        ("activity kept", f"{sum(row.index for row in kept):.2%}", "of all elements"),
+    ]
+    for name, path in subject.totals.items():
+        before, after = (run.at_end(path) - run.at_start(path) for run in (full, reduced))
+        change = f"{after / before - 1.0:+.2%}" if before else ""
+        facts.append((name, f"{before:.4g} → {after:.4g} {full.unit(path)}", change))
+    outputs = compare(full, reduced, subject.outputs).outputs
+    if outputs:
+        worst = max(outputs, key=lambda error: error.rms)
+        facts.append(("largest error", f"{worst.rms:.2%}", f"rms / range, {worst.path}"))
+    if certificate.score is not None:
+        facts.append(("of the tolerance", f"{certificate.score:.0%}", "used by the worst output"))
+    facts.extend(subject.facts)
+    residual = max(energy_balance(run).relative_residual for run in (full, reduced))
+    facts.append(("energy unaccounted", f"{residual:.0e}", "of the work of sources"))
+    return facts
+
+
+def _output(error: OutputError) -> Json:
+    return {
+        "path": str(error.path),
+        "unit": error.unit,
+        "rms": error.rms,
+        "maximum": error.largest,
+        "at": error.at,
+        "full": error.reference.final,
+        "reduced": error.other.final,
+        "final": error.final_error,
+    }
+
+
+def _balance(balance: EnergyBalance) -> Json:
+    return {
+        "supplied": balance.supplied,
+        "stored": balance.stored,
+        "dissipated": balance.dissipated,
+        "residual": balance.relative_residual,
+        "sources": [{"path": str(path), "work": work} for path, work in balance.sources],
+    }
+
+
+def _signals(subject: PageSubject) -> Json:
+    """What panels show, and the compared outputs that they do not show."""
+    full, reduced = subject.full, subject.reduced
+    edges = np.linspace(float(full.time[0]), float(full.time[-1]), INTERVALS + 1)
+    middles = 0.5 * (edges[:-1] + edges[1:])
+    lanes = [(panel.title, panel.unit, panel.series) for panel in subject.panels]
+    seen = {series.path for _, _, shown in lanes for series in shown}
+    lanes += [(str(path), "", (Series(str(path)),)) for path in subject.outputs if str(path) not in seen]
+    items: list[Json] = []
+    for title, unit, shown in lanes:
+        columns = [column_of(full, series) for series in shown]
+        size = max((float(np.max(np.abs(values), initial=0.0)) for _, values, _ in columns), default=0.0)
+        display = Display(unit, 1.0) if unit else display_for(columns[0][2], size)
+        for series, (time, values, _) in zip(shown, columns, strict=True):
+            factor = series.scale * display.factor
+            items.append(
+                {
+                    "path": series.path,
+                    "label": series.label or series.path,
+                    "unit": display.unit,
+                    "panel": title,
+                    "full": packed(extremes(time, values * factor, edges)),
+                    "reduced": _reduced(reduced, parse_path(series.path), factor, edges),
+                }
+            )
+    return {"times": packed(np.column_stack([edges[:-1], middles]).ravel()), "items": items}
+
+
+def _reduced(run: Trajectory, path: Path, factor: float, edges: FloatArray) -> str | None:
+    return packed(extremes(run.time, run[path] * factor, edges)) if path in run else None
+
+
+def _made(subject: PageSubject) -> list[Json]:
+    full, ranking = subject.full, subject.ranking
+    check = ranking.discretisation
+    rows = [
+        ("method", f"{full.method.value}, step {full.step:g} s"),
+        ("found by", subject.certificate.method),
+        ("steps", f"{full.statistics.steps} full, {subject.reduced.statistics.steps} reduced"),
+        ("discretisation", "" if check is None else _discretisation(check)),
+        ("datums", "; ".join(ranking.datums)),
+        ("removals", "; ".join(removal_text(removal) for removal in subject.removals)),
+        *((name, str(value)) for name, value in versions().items()),
+    ]
+    return [{"name": name, "value": value} for name, value in rows if value]
+
+
+def _discretisation(check: Discretisation) -> str:
+    return f"indices change by at most {check.largest_change_points:.2g} points {check.comparison}"
+
+
+def _tried(search: ProperModelSearch) -> Json:
+    recommended, best = search.recommended, search.best
+    return [
+        {
+            "rows": search.rows - len(candidate.rows),
+            "states": candidate.states,
+            "score": candidate.score,
+            "predicted": candidate.predicted,
+            "verdict": candidate.verdict.value,
+            "mark": "recommended" if candidate is recommended else "smallest" if candidate is best else "",
+        }
+        for candidate in search.candidates
+    ]
