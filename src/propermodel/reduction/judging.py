@@ -40,6 +40,7 @@ class Objection:
     cause: Refusal
     why: str
     twins: tuple[Twin, ...] = ()
+    members: frozenset[Path] = frozenset()  # bonds, none of which could be missed in a conflict
 
 
 class Judge:
@@ -65,7 +66,13 @@ class Judge:
             proposal, why = found
             open_proposals.remove(proposal)
             refused.append(proposal.refused(why, Refusal.TOGETHER))
-        if self.objection(open_proposals) is None:
+        while (objection := self.objection(open_proposals)) is not None and objection.members:
+            # Of those that conflict, the one stays that would be missed most.
+            proposal = max((p for p in open_proposals if _bonds(p) & objection.members), key=_missed)
+            open_proposals.remove(proposal)
+            twins = self._own(proposal, objection)
+            refused.append(proposal.refused(objection.why, objection.cause, twins))
+        if objection is None:
             return open_proposals, refused
         accepted: list[Proposal] = []
         for proposal in open_proposals:
@@ -131,6 +138,7 @@ class Judge:
         own = {removal.bond for removal in bonds} == members and len(proposals) == 1
         others = "" if own or len(members) < 2 else f" ({found.closure} of {', '.join(sorted(map(str, members)))})"
         why = f"without it the equations have no solution: {found.message}{others}"
+        bonds_of = frozenset(members)
         elements = self.evidence.structure.elements
         laws = [
             entry.path
@@ -138,12 +146,14 @@ class Judge:
             if (path := parse_path(entry.path)) in elements and elements[path].kind is ElementKind.RESISTANCE
         ]
         if laws:
-            return Objection(Refusal.FLAT_LAW, f"{why}; the law of {', '.join(laws)} does not give it", found.twins)
-        return Objection(Refusal.CONFLICT, why, found.twins)
+            return Objection(
+                Refusal.FLAT_LAW, f"{why}; the law of {', '.join(laws)} does not give it", found.twins, bonds_of
+            )
+        return Objection(Refusal.CONFLICT, why, found.twins, bonds_of)
 
     def _own(self, proposal: Proposal, objection: Objection) -> tuple[Twin, ...]:
         """The twins at the proposal's own bonds; those at the bonds of others where it has none."""
-        bonds = {removal.bond for removal in proposal.removals if not isinstance(removal, Freeze)}
+        bonds = _bonds(proposal)
         return tuple(twin for twin in objection.twins if twin.member.bond in bonds) or objection.twins
 
     def _instability(self, reduced: CompiledModel) -> Objection | None:
@@ -154,6 +164,16 @@ class Judge:
             why = f"along the run nothing solves the equations that are left: {error.diagnostics[0].message}"
             return Objection(Refusal.FLAT_LAW, why)
         return Objection(Refusal.STABILITY, str(serious[0])) if serious else None
+
+
+def _bonds(proposal: Proposal) -> set[Path]:
+    """The bonds that a proposal names."""
+    return {removal.bond for removal in proposal.removals if not isinstance(removal, Freeze)}
+
+
+def _missed(proposal: Proposal) -> tuple[float, tuple[Path, ...]]:
+    """The largest share that a proposal takes out of a junction; ties by path."""
+    return max((term.share for term in proposal.terms), default=0.0), proposal.rows
 
 
 def removals_of(proposals: Iterable[Proposal]) -> tuple[Removal, ...]:

@@ -121,6 +121,7 @@ class ModeWatch:
         if not self._full:
             return ()
         memory = begin(reduced, self._run.scenario)
+        Point(reduced.system, reduced.lowered, memory)  # it has to start
         found: dict[tuple[ModeKind, bool], list[LostMode]] = {}
         for row, full in zip(self._rows, self._full, strict=True):
             other = self._spectrum(reduced, memory.copy(), row)
