@@ -508,6 +508,12 @@ CASES = (
         cure="driven by its flow",
     ),
     Case(
+        code="reduction/results-file",
+        run=lambda: pm.find_proper_model(elaborate(Quarter()), STEP, {"body.flange.flow": 0.01}, results=__file__),
+        names=("simulation_cases.py", "no file of a search"),
+        cure="name another file",
+    ),
+    Case(
         code="reduction/no-element",
         run=lambda: without(ConstantEffort(pm.Path((*SPRING[:2], "difference_ring2", "carried")), 0.0)),
         names=("suspension.spring.difference_ring2.carried",),

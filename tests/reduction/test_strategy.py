@@ -12,7 +12,7 @@ from propermodel.diagnostics import Path, parse_path
 from propermodel.reduction.candidates import Verdict
 from propermodel.reduction.prediction import Replacement
 from propermodel.reduction.refusals import fewest_refused
-from propermodel.reduction.watched_run import least_score, run_watched
+from propermodel.reduction.watched_run import WatchedRun, least_errors, run_watched, score_of
 from propermodel.simulation.stepping import Stepping
 from tests.reduction.test_prediction import Absorber
 
@@ -62,7 +62,7 @@ def test_a_run_ends_when_it_is_outside():
     smaller = pm.compile_model(model.without([pm.ZeroEffort(parse_path("suspension.damper.port"))]))
     stepping = Stepping(RK4, 1e-3, 1, 1e-6)
 
-    def watched(tolerance: Tolerance):
+    def watched(tolerance: Tolerance) -> WatchedRun:
         return run_watched(smaller, driven, reference, {OUTPUT: tolerance}, stepping, 5e-3)
 
     whole = watched(Tolerance(rms=10.0))
@@ -72,10 +72,11 @@ def test_a_run_ends_when_it_is_outside():
     assert whole.comparison.outputs[0].rms == pytest.approx(plain.rms, rel=1e-12)
     for feature in ("rms", "mean", "largest"):
         share = getattr(plain, feature)
-        early = watched(Tolerance(**{feature: 0.05 * share}))
+        tolerance = Tolerance(**{feature: 0.05 * share})
+        early = watched(tolerance)
         assert early.comparison is None
-        assert early.ending.time < driven.stop
-        assert 1.0 < early.score <= 20.0 + 1e-9
+        assert early.time < driven.stop
+        assert 1.0 < early.score({OUTPUT: tolerance}) <= 20.0 + 1e-9
 
 
 def test_bounds_grow_towards_the_score():
@@ -84,7 +85,7 @@ def test_bounds_grow_towards_the_score():
     tolerances = {OUTPUT: Tolerance(rms=0.01)}
     changed = reference[OUTPUT] + 0.02 * np.ptp(reference[OUTPUT])
     bounds = [
-        least_score(reference, reference.time[:count], {OUTPUT: changed[:count]}, tolerances)
+        score_of(least_errors(reference, reference.time[:count], {OUTPUT: changed[:count]}), tolerances)
         for count in (len(changed) // 4, len(changed) // 2, len(changed))
     ]
     assert bounds == pytest.approx([1.0, np.sqrt(2.0), 2.0], rel=0.05)

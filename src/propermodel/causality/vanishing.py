@@ -7,6 +7,7 @@ at m = 0 has no solution although the model has one. Where strokes leave a choic
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 from propermodel.bondgraph.graph import BondGraph, Element
 from propermodel.bondgraph.parameters import parameter_values
@@ -21,21 +22,32 @@ _SAMPLES = (0.0, 0.1, -0.1, 1.0, -1.0, 3.0, -3.0)
 def vanishing_two_ports(graph: BondGraph) -> list[Element]:
     """The two-ports whose modulus is zero at rest, then those whose modulus changes its sign as far as samples show."""
     found: list[tuple[int, Element]] = []
-    parameters: dict[Expr, float] | None = None
+    parameters: Mapping[Expr, float] | None = None
     for element in graph.normal.elements.values():
         if not isinstance(element.behaviour, TwoPort) or element.behaviour.modulus.op is Op.CONSTANT:
             continue
         modulus = _without_signals(element.behaviour.modulus, graph)
-        if all(leaf.data.kind is SymbolKind.PARAMETER for leaf in leaves(modulus)):
+        inside = leaves(modulus)
+        if all(leaf.data.kind is SymbolKind.PARAMETER for leaf in inside):
             continue
         if parameters is None:
             parameters = parameter_values(graph.parameters)
-        at_rest, *values = (_value(modulus, parameters, sample) for sample in _SAMPLES)
-        if at_rest == 0.0:
-            found.append((0, element))
-        elif any(value < 0.0 for value in values) and any(value > 0.0 for value in values):
-            found.append((1, element))
+        turn = _turn(modulus, tuple((leaf, parameters[leaf]) for leaf in inside if leaf in parameters))
+        if turn is not None:
+            found.append((turn, element))
     return [element for _, element in sorted(found, key=lambda item: item[0])]
+
+
+@lru_cache(maxsize=1024)
+def _turn(modulus: Expr, parameters: tuple[tuple[Expr, float], ...]) -> int | None:
+    """0 where a modulus is zero at rest, 1 where it changes its sign, None where it does neither.
+
+    Kept, since states are chosen among many strokes of one graph.
+    """
+    at_rest, *values = (_value(modulus, dict(parameters), sample) for sample in _SAMPLES)
+    if at_rest == 0.0:
+        return 0
+    return 1 if any(value < 0.0 for value in values) and any(value > 0.0 for value in values) else None
 
 
 def ports_that_receive_effort(element: Element) -> Mapping[str, bool]:

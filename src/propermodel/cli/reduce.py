@@ -67,6 +67,13 @@ def reduce(
             metavar="PATH=RANGE",
         ),
     ] = None,
+    results: Annotated[
+        FilePath | None,
+        typer.Option(
+            "--results",
+            help="With --tolerance: a file that keeps what runs came to, to go on from it and for other tolerances.",
+        ),
+    ] = None,
     junction_tolerance: Annotated[
         float, typer.Option(help="Largest share of a neglected term at its junction, with --threshold.", min=0.0)
     ] = 0.1,
@@ -95,7 +102,7 @@ def reduce(
         outputs=output,
     )
     if tolerance:
-        reduce_within(subject, tolerance, ranges or [], out, as_json=as_json)
+        reduce_within(subject, tolerance, ranges or [], out, results=results, as_json=as_json)
         return
     if ranges:
         raise CommandError.of(

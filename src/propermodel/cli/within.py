@@ -22,7 +22,13 @@ if TYPE_CHECKING:
 
 
 def reduce_within(
-    subject: Subject, tolerances: Sequence[str], ranges: Sequence[str], out: FilePath, *, as_json: bool
+    subject: Subject,
+    tolerances: Sequence[str],
+    ranges: Sequence[str],
+    out: FilePath,
+    *,
+    results: FilePath | None,
+    as_json: bool,
 ) -> None:
     """Search, write the front and the recommended model with its certificate, and print them."""
     from propermodel.cli.progress import ProgressBars
@@ -48,6 +54,7 @@ def reduce_within(
             step=subject.step,
             jacobian_every=subject.jacobian_every,
             step_tolerance=subject.tolerance,
+            results=results,
             progress=lambda candidate, simulations: bars(f"{simulations} simulations, {len(candidate.rows)} rows go"),
         )
     out.mkdir(parents=True, exist_ok=True)

@@ -14,6 +14,7 @@ from propermodel.codegen.machine import Method
 from propermodel.compiler import compile_quietly
 from propermodel.diagnostics import Path, ReductionError
 from propermodel.expressions.core import Expr
+from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Model, Scenario
 from propermodel.reduction.candidates import Candidate, ProperModelSearch
 from propermodel.reduction.strategy import Strategy
@@ -37,6 +38,7 @@ def find_proper_model(
     step_tolerance: float = DEFAULT_TOLERANCE,
     record_every: float | None = None,
     most_simulations: int = 200,
+    results: FileName | None = None,
     progress: Callable[[Candidate, int], None] | None = None,
 ) -> ProperModelSearch:
     """Find the smallest model whose outputs stay within tolerances on all scenarios.
@@ -53,14 +55,16 @@ def find_proper_model(
         step_tolerance: The error of one step, where the method controls it.
         record_every: Period of recording, s; by default a two-thousandth of each scenario.
         most_simulations: After so many runs of candidates no further one begins.
+        results: A file in which runs of candidates are kept as they are done. A search that was stopped goes on from
+            it, and searches of the same model, scenarios, outputs and steps with other tolerances share them.
         progress: Called with every candidate, and the number of simulations so far.
 
     Returns:
         Every model that was tried; `recommended`, `best` and `front` choose among them.
 
     Raises:
-        ReductionError: there is no scenario or tolerance, an output lacks a feature that its tolerance names, or a run
-            of the full model did not reach its end.
+        ReductionError: there is no scenario or tolerance, an output lacks a feature that its tolerance names, a run of
+            the full model did not reach its end, or the file of results belongs to something else.
         SimulationError: a scenario does not fit the model.
     """
     every = (scenarios,) if isinstance(scenarios, Scenario) else tuple(scenarios)
@@ -82,7 +86,7 @@ def find_proper_model(
         record_every=period_of(every[0], record_every),
         integrals_every=every[0].stop - every[0].start,
     )
-    trials = Trials(full, every, wanted, first, record_every)
+    trials = Trials(full, every, wanted, first, record_every, results)
     search = Strategy(trials, most_simulations, progress)
     search.run()
     return ProperModelSearch(

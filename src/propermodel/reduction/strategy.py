@@ -24,6 +24,7 @@ EXCHANGES = 1.5  # the same for a row that comes back while others go
 EXCHANGED = 6  # rows that come back in turn, those that help most
 REMEMBERED = 10  # latest trials by which predictions are corrected
 LARGEST_CORRECTION = 3.0
+TRUSTED = 2.0  # a correction beyond which the beam may have gone astray
 FIRST_BLOCK = 8  # rows that the net takes away at once
 
 
@@ -45,7 +46,7 @@ class Strategy:
         """Propose, verify from large sets to small ones, cast the net in large models, refine."""
         proposals = self._trials.proposals
         best = self._largest_within(proposals.beam())
-        if proposals.is_large:
+        if proposals.is_large and not (best and self._is_trusted()):
             net = self._net()
             if len(net) > len(best):
                 best = net
@@ -179,10 +180,13 @@ class Strategy:
         workers = min(os.cpu_count() or 1, TRIES_PER_SIZE)
         while waiting and not self._is_spent():
             ready: list[Prepared] = []
+            twins: list[Prepared] = []  # that leave the same model as one that is ready
             while waiting and len(ready) < workers:
                 node = waiting.pop(0)
                 if not self._trials.proposals.is_refused(node.key):
-                    ready += self._prepared(node)
+                    for prepared in self._prepared(node):
+                        is_twin = any(prepared.fingerprint == other.fingerprint for other in ready)
+                        (twins if is_twin else ready).append(prepared)
             with ThreadPoolExecutor(workers) as pool:
                 answers = list(pool.map(self._trials.judge, ready))
             for prepared, (candidate, runs) in zip(ready, answers, strict=True):
@@ -191,6 +195,8 @@ class Strategy:
                 if candidate.score < math.inf and prepared.node.score > 0.0:
                     self._ratios.append(candidate.score / prepared.node.score)
                 self._keep(prepared.node, candidate)
+            for twin in twins:
+                self._keep(twin.node, self._trials.renamed(self._same[twin.fingerprint], twin))
             if any(candidate.verdict is Verdict.WITHIN for candidate, _ in answers):
                 break
         within = [node for node in nodes if node.key in self.tried and self._is_within(node)]
@@ -219,6 +225,10 @@ class Strategy:
         """By how much the latest errors were larger than predicted."""
         found = statistics.median(self._ratios) if self._ratios else 1.0
         return min(max(found, 1.0 / LARGEST_CORRECTION), LARGEST_CORRECTION)
+
+    def _is_trusted(self) -> bool:
+        """Whether the latest errors were much as predicted."""
+        return 1.0 / TRUSTED <= self._correction() <= TRUSTED
 
     def _lenience(self) -> float:
         """The correction of limits that are generous already: they only widen."""

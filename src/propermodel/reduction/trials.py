@@ -11,9 +11,12 @@ import numpy as np
 from propermodel.analysis.comparison import Comparison, compare
 from propermodel.analysis.features import Undefined
 from propermodel.analysis.tolerances import Tolerance
+from propermodel.bondgraph.flatten import flatten
+from propermodel.causality.complete import complete_causality
 from propermodel.codegen.fingerprint import fingerprint
 from propermodel.compiler import CompiledModel, compile_quietly
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
+from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Removal, Scenario
 from propermodel.reduction.candidates import Candidate, Verdict
 from propermodel.reduction.claim import Condition
@@ -22,7 +25,8 @@ from propermodel.reduction.freezing import signals_to_freeze
 from propermodel.reduction.prediction import Prediction, Replacement, predict_errors
 from propermodel.reduction.proposals import Choice, Proposals, Proposed, removals_of
 from propermodel.reduction.refusals import fewest_refused
-from propermodel.reduction.watched_run import run_watched
+from propermodel.reduction.results_file import KnownRuns, identity_of
+from propermodel.reduction.watched_run import WatchedRun, run_watched
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.trajectory import Trajectory
 
@@ -49,6 +53,7 @@ class Trials:
         tolerances: Mapping[Path, Tolerance],
         first: Trajectory,
         record_every: float | None,
+        results: FileName | None,
     ) -> None:
         self.full = full
         self.scenarios = scenarios
@@ -62,6 +67,8 @@ class Trials:
         self.predictions: tuple[Prediction, ...] = tuple(predict_errors(run, tolerances) for run in self.runs)
         self.proposals = Proposals(self.predictions, np.array([t.smallest for t in tolerances.values()]))
         self._evidence = RunEvidence.of(full, self.runs[0])
+        identity = identity_of(full.model, self.conditions, tolerances, self._stepping)
+        self.known = KnownRuns() if results is None else KnownRuns.opened(results, identity)
         self._hardness = [0.0] * len(scenarios)  # the last score on each scenario
 
     @property
@@ -92,14 +99,22 @@ class Trials:
     def fewest_refused(self, choice: Choice) -> Choice:
         """The fewest rows of a refused choice that are refused together."""
 
-        def is_refused(part: Choice) -> bool:
+        def has_no_strokes(part: Choice) -> bool:
+            try:
+                complete_causality(flatten(self.full.model.without(_sorted(part))))
+            except ProperModelError:
+                return True
+            return False
+
+        def has_no_equations(part: Choice) -> bool:
             try:
                 _, compiled = self._reformulated(part)
             except ProperModelError:
                 return True
             return any(path not in compiled.lowered.observables for path in self.tolerances)
 
-        return fewest_refused(choice, is_refused)
+        # Strokes alone say it far sooner than equations.
+        return fewest_refused(choice, has_no_strokes if has_no_strokes(choice) else has_no_equations)
 
     def judge(self, prepared: Prepared) -> tuple[Candidate, int]:
         """Simulate a candidate on every scenario, the hardest first, until one is outside; how many runs that took."""
@@ -108,28 +123,19 @@ class Trials:
         score, wall_s, simulated, why, verdict, runs = 0.0, 0.0, 0.0, "", Verdict.WITHIN, 0
         for number in sorted(range(len(self.scenarios)), key=lambda k: -self._hardness[k]):
             scenario = self.scenarios[number]
-            runs += 1
-            try:
-                run = run_watched(
-                    compiled,
-                    scenario,
-                    self.runs[number],
-                    self.tolerances,
-                    self._stepping,
-                    period_of(scenario, self._record_every),
-                )
-            except ProperModelError as error:  # it cannot start: a loop of the smaller model has no solution
-                verdict, why, score = Verdict.FAILED, error.diagnostics[0].message, math.inf
-                break
+            run = self.known.find(prepared.removals, number)
+            if run is None or (run.score(self.tolerances) <= 1.0 and run.comparison is None):
+                run = self._watched(prepared, number)
+                runs += 1
+            self._hardness[number] = run.score(self.tolerances)
+            score = max(score, self._hardness[number])
             wall_s += run.wall_s
-            simulated += run.ending.time - scenario.start
-            self._hardness[number] = run.score
-            score = max(score, run.score)
-            if not run.ending.is_complete:
-                verdict, why = Verdict.FAILED, run.ending.message
+            simulated += run.time - scenario.start
+            if run.failure:
+                verdict, why = Verdict.FAILED, run.failure
                 break
             if run.comparison is None:
-                why = f"on {scenario.name} its error had used more than the tolerance by {run.ending.time:g} s"
+                why = f"on {scenario.name} its error had used more than the tolerance by {run.time:g} s"
             else:
                 comparisons[scenario.name] = run.comparison
             if not score <= 1.0:
@@ -148,6 +154,19 @@ class Trials:
             fragile=self._fragile(node.choice, score) if verdict is Verdict.WITHIN else (),
         )
         return candidate, runs
+
+    def _watched(self, prepared: Prepared, number: int) -> WatchedRun:
+        """A run of a candidate on one scenario, which is remembered."""
+        scenario = self.scenarios[number]
+        every = period_of(scenario, self._record_every)
+        reference = self.runs[number]
+        try:
+            run = run_watched(prepared.compiled, scenario, reference, self.tolerances, self._stepping, every)
+        except ProperModelError as error:  # it cannot start: a loop of the smaller model has no solution
+            message = error.diagnostics[0].message
+            run = WatchedRun(failure=message, time=scenario.start, comparison=None, reached={}, wall_s=0.0)
+        self.known.keep(prepared.removals, number, run)
+        return run
 
     def renamed(self, known: Candidate, prepared: Prepared) -> Candidate:
         """What is known of a model that other removals have left, for these."""

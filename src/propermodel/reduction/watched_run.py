@@ -21,19 +21,28 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.start import start_of
 from propermodel.simulation.stepping import Stepping
-from propermodel.simulation.trajectory import Ending, Trajectory
+from propermodel.simulation.trajectory import Trajectory
 
 PARTS = (0.05, 0.15, 0.3, 0.5, 0.7, 1.0)  # of the window: where errors are looked at
 
 
 @dataclass(frozen=True, kw_only=True)
 class WatchedRun:
-    """What a run with some outputs came to: all errors of a complete one, or a lower bound of its score."""
+    """What a run with some outputs came to: all its errors, or what they had reached when it was ended."""
 
-    ending: Ending
+    failure: str  # why it did not come to its end; empty where nothing went wrong
+    time: float  # where it ended, s
     comparison: Comparison | None  # of a complete run
-    score: float  # the largest error over its tolerance, or the bound by which it is outside
+    reached: Mapping[Path, Mapping[Feature, float]]  # of a run that was ended: errors that the complete one exceeds
     wall_s: float  # of stepping
+
+    def score(self, tolerances: Mapping[Path, Tolerance]) -> float:
+        """The largest error over its tolerance, or the least that it can be."""
+        if self.failure:
+            return math.inf
+        if self.comparison is not None:
+            return max(tolerances[error.path].score(error) for error in self.comparison.outputs)
+        return score_of(self.reached, tolerances)
 
 
 def run_watched(
@@ -71,15 +80,16 @@ def run_watched(
         )
         wall_s += run.statistics.wall_s
         if not run.ending.is_complete:
-            return WatchedRun(ending=run.ending, comparison=None, score=math.inf, wall_s=wall_s)
+            message, time = run.ending.message, run.ending.time
+            return WatchedRun(failure=message, time=time, comparison=None, reached={}, wall_s=wall_s)
         times.append(run.time)
         for path, parts in values.items():
             parts.append(run[path])
         time, columns = np.concatenate(times), {path: np.concatenate(parts) for path, parts in values.items()}
         if stop < scenario.stop:
-            bound = least_score(reference, time, columns, tolerances)
-            if bound > 1.0:
-                return WatchedRun(ending=run.ending, comparison=None, score=bound, wall_s=wall_s)
+            reached = least_errors(reference, time, columns)
+            if score_of(reached, tolerances) > 1.0:
+                return WatchedRun(failure="", time=stop, comparison=None, reached=reached, wall_s=wall_s)
             continue
         instants = reference.time
         comparison = Comparison(
@@ -90,8 +100,7 @@ def run_watched(
                 for path in tolerances
             )
         )
-        score = max(tolerances[error.path].score(error) for error in comparison.outputs)
-        return WatchedRun(ending=run.ending, comparison=comparison, score=score, wall_s=wall_s)
+        return WatchedRun(failure="", time=stop, comparison=comparison, reached={}, wall_s=wall_s)
     raise AssertionError("a window has an end")
 
 
@@ -103,23 +112,33 @@ def _stops(scenario: Scenario, record_every: float) -> Sequence[float]:
     return [*(stop for stop in early if stop < scenario.stop), scenario.stop]
 
 
-def least_score(
-    reference: Trajectory, time: FloatArray, columns: Mapping[Path, FloatArray], tolerances: Mapping[Path, Tolerance]
-) -> float:
-    """The least that the score of a run can be, as far as it has come."""
+def least_errors(
+    reference: Trajectory, time: FloatArray, columns: Mapping[Path, FloatArray]
+) -> dict[Path, dict[Feature, float]]:
+    """The least that errors of a run can be, as far as it has come."""
     window = float(reference.time[-1] - reference.time[0])
-    worst = 0.0
-    for path, tolerance in tolerances.items():
+    until = reference.time <= time[-1]
+    at = reference.time[until]
+    found: dict[Path, dict[Feature, float]] = {}
+    for path, values in columns.items():
         expected = reference[path]
         scale = float(np.ptp(expected)) or float(np.max(np.abs(expected))) or 1.0
-        until = reference.time <= time[-1]
-        at = reference.time[until]
-        difference = np.abs(np.interp(at, time, columns[path]) - expected[until]) / scale
-        reached = {
+        difference = np.abs(np.interp(at, time, values) - expected[until]) / scale
+        found[path] = {
             Feature.MEAN: float(np.trapezoid(difference, at)) / window,
             Feature.RMS: math.sqrt(float(np.trapezoid(difference**2, at)) / window),
             Feature.LARGEST: float(np.max(difference)),
         }
-        for feature, share in tolerance.shares.items():
-            worst = max(worst, reached.get(feature, 0.0) / share)
-    return worst
+    return found
+
+
+def score_of(reached: Mapping[Path, Mapping[Feature, float]], tolerances: Mapping[Path, Tolerance]) -> float:
+    """The largest of errors over their tolerances; features of which nothing is known yet do not count."""
+    return max(
+        (
+            reached[path].get(feature, 0.0) / share
+            for path, tolerance in tolerances.items()
+            for feature, share in tolerance.shares.items()
+        ),
+        default=0.0,
+    )
