@@ -116,6 +116,9 @@ if TYPE_CHECKING:
     from propermodel.reduction.certificate import Certificate
     from propermodel.reduction.certificate_files import read_certificate, write_certificate
     from propermodel.reduction.certify import CertifiedModel, certify
+    from propermodel.reduction.methods.compare import MethodComparison, compare_methods
+    from propermodel.reduction.methods.curve import Curve
+    from propermodel.reduction.methods.workbench import SizedModel
     from propermodel.reduction.part_runs import PartRuns, part_model, simulate_parts
     from propermodel.reduction.partition import Partition, partition
     from propermodel.reduction.plan import Reduction, plan_reduction
@@ -189,6 +192,10 @@ _WHEN_USED = {
     "plan_reduction": "reduction.plan",
     "predict_errors": "reduction.prediction",
     "find_proper_model": "reduction.search",
+    "compare_methods": "reduction.methods.compare",
+    "MethodComparison": "reduction.methods.compare",
+    "Curve": "reduction.methods.curve",
+    "SizedModel": "reduction.methods.workbench",
     "rank_activity": "analysis.activity",
     "read_certificate": "reduction.certificate_files",
     "read_model": "modelling.documents",
@@ -341,6 +348,10 @@ __all__ = [
     "Tolerance",
     "ProperModelSearch",
     "Candidate",
+    "compare_methods",
+    "MethodComparison",
+    "Curve",
+    "SizedModel",
     "plan_reduction",
     "Reduction",
     "explain_removals",

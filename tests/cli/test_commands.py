@@ -185,6 +185,17 @@ def test_json_is_the_summary_file(tmp_path: Path):
 # -- other commands -------------------------------------------------------------------------------------
 
 
+def test_compare_methods_draws_size_against_error(tmp_path: Path):
+    printed = succeed(
+        "compare-methods", MODEL, "--until", "2", "--output", "body.flange.flow", "--step", "0.001", "--out", tmp_path
+    )
+    assert "predicted and verified" in printed
+    assert "balanced truncation" in printed
+    assert "methods.png  size against error, all methods" in printed
+    assert (tmp_path / "methods.csv").read_text().startswith("method,rows,states,error_rms_over_range,")
+    assert "no outputs were given" in fail(2, "compare-methods", MODEL, "--out", tmp_path)
+
+
 def test_run_prints_a_summary_and_writes_what_was_recorded(tmp_path: Path):
     printed = succeed("run", MODEL, "--until", "2", "--method", "rk4", "--step", "0.002", "--out", tmp_path)
     assert printed.startswith("quarter_car, scenario waves: completed to 2 s; 1000 steps of 0.002 s (rk4)")

@@ -8,6 +8,7 @@ import typer
 
 from propermodel.cli.cache import cache
 from propermodel.cli.check import check
+from propermodel.cli.compare_methods import compare_methods
 from propermodel.cli.demo import demo
 from propermodel.cli.draw import draw
 from propermodel.cli.faults import Commands
@@ -43,6 +44,7 @@ def common(
 
 app.command()(reduce)
 app.command()(verify)
+app.command()(compare_methods)
 app.command()(run)
 app.command()(rank)
 app.command()(partition)

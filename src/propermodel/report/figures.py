@@ -70,7 +70,7 @@ def write_figures(study: ReductionStudy, folder: FilePath) -> tuple[Figure, ...]
 
 
 @contextmanager
-def _figure(width: float, height: float, file: FilePath) -> Iterator[Any]:
+def drawn(width: float, height: float, file: FilePath) -> Iterator[Any]:
     """A figure that is written at the end; nothing of Matplotlib's global state is touched."""
     import matplotlib
     from matplotlib.figure import Figure as Canvas
@@ -93,7 +93,7 @@ def draw_activity(study: ReductionStudy, file: FilePath) -> None:
     decisions = reduction.decisions
     places = np.arange(len(decisions))
     height = 1.7 + 0.19 * len(decisions)
-    with _figure(10.5, height, file) as figure:
+    with drawn(10.5, height, file) as figure:
         bars, shares = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
         indices = np.array([max(d.row.index * 100.0, SMALLEST_INDEX) for d in decisions])
         for verdict, colour in VERDICTS.items():
@@ -154,7 +154,7 @@ def draw_outputs(study: ReductionStudy, file: FilePath) -> None:
     errors = {error.path: error for error in study.comparison.outputs}
     full, reduced = study.full, study.reduced
     count = len(study.compared)
-    with _figure(9.0, 2.75 * count + 0.4, file) as figure:
+    with drawn(9.0, 2.75 * count + 0.4, file) as figure:
         rows = figure.subplots(2 * count, 1, sharex=True, height_ratios=(2.1, 1.0) * count)
         for index, path in enumerate(study.compared):
             above, below = rows[2 * index], rows[2 * index + 1]
@@ -182,7 +182,7 @@ def draw_outputs(study: ReductionStudy, file: FilePath) -> None:
 
 def draw_mission(run: Trajectory, panels: tuple[Panel, ...], file: FilePath) -> None:
     """What a run did, one panel above the other."""
-    with _figure(9.0, 1.75 * len(panels) + 0.5, file) as figure:
+    with drawn(9.0, 1.75 * len(panels) + 0.5, file) as figure:
         rows = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
         for axes, panel in zip(rows, panels, strict=True):
             columns = [column_of(run, series) for series in panel.series]
