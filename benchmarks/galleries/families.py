@@ -86,9 +86,9 @@ def chain(chance: Chance, stages: int, field: Field = T) -> Network:
     elements: list[Element] = []
     nodes = [GROUND if chance.among("pushed", "moved") == "pushed" else "base"]
     for number in range(1, stages + 1):
-        before = (
-            nodes[-1] if chance.among("chain", "chain", "tree") == "chain" else nodes[chance.whole(0, len(nodes) - 1)]
-        )
+        is_branch = chance.among("chain", "chain", "tree") == "tree"
+        # Only the first body stands at the ground: what has a branch of its own there would not feel the push.
+        before = nodes[chance.whole(min(1, len(nodes) - 1), len(nodes) - 1)] if is_branch else nodes[-1]
         here, place = f"n{number}", Place(field, f"n{number}")
         elements += [
             Element(f"spring_{number}", C, Place(field, before, here), chance.about(400.0)),
