@@ -38,6 +38,7 @@ from propermodel.equations.system import EquationSystem
 from propermodel.modelling.documents import from_document, to_document
 from propermodel.modelling.limits import Limits
 from propermodel.modelling.model import Model
+from propermodel.presentation import notebook_html
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,9 @@ class CompiledModel:
     _tangents: dict[tuple[Any, ...], CompiledTangents] = field(
         default_factory=dict[tuple[Any, ...], CompiledTangents], repr=False
     )
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     @property
     def graph(self) -> BondGraph:

@@ -397,6 +397,12 @@ CASES = (
         cure="share of each state",
     ),
     Case(
+        code="simulation/nothing-to-plot",
+        run=lambda: simulate(quarter(), STEP).plot(["body.flange.flow"] * 2, axes=[None]),
+        names=("2 observables", "1 were given"),
+        cure="axes that another plot",
+    ),
+    Case(
         code="simulation/sundials",
         run=without_sundials,
         names=("cvode", "not installed"),

@@ -12,9 +12,10 @@ from propermodel.compiler import Method
 from propermodel.diagnostics import ProperModelError, parse_path
 from propermodel.modelling.documents import read_model, read_scenario
 from propermodel.report.files import write_study
-from propermodel.report.panels import Panel, Series, display_for
+from propermodel.report.panels import Panel, Series
 from propermodel.report.study import ReductionStudy, StudyOptions, run_study
 from propermodel.report.summary import summarise
+from propermodel.simulation.display_units import display_for
 
 MODEL = f"{Path(__file__).parents[1] / 'cli' / 'quarter_car.py'}:QuarterCar"
 OUTPUT = parse_path("body.flange.flow")

@@ -9,6 +9,7 @@ import numpy as np
 
 from propermodel.bondgraph.pseudo import is_pseudo
 from propermodel.diagnostics import Diagnostic, Path, ReductionError, one_of
+from propermodel.presentation import notebook_html
 from propermodel.simulation.trajectory import Trajectory
 
 TRUE = "true"  # what true bonds are called in `rank_activity(run, among=...)`
@@ -57,6 +58,9 @@ class ActivityRanking:
     scenario: str
     datums: tuple[str, ...]
     discretisation: Discretisation | None
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     def row(self, path: Path) -> ActivityRow:
         """The row of an element or group."""

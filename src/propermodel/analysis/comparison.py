@@ -12,6 +12,7 @@ from propermodel.analysis.features import Peak, SignalFeatures, Undefined, signa
 from propermodel.codegen.machine import FloatArray
 from propermodel.diagnostics import Path
 from propermodel.expressions.core import Expr
+from propermodel.presentation import notebook_html
 from propermodel.simulation.observables import observable_path
 from propermodel.simulation.trajectory import Trajectory
 
@@ -110,6 +111,9 @@ class Comparison:
     """The differences of a run from a reference run."""
 
     outputs: tuple[OutputError, ...]
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     def __str__(self) -> str:
         return "\n".join(str(output) for output in self.outputs)

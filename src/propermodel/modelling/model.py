@@ -13,6 +13,7 @@ from enum import StrEnum
 from propermodel.diagnostics import NO_SOURCE, Path, Source, parse_path
 from propermodel.expressions.core import Expr
 from propermodel.modelling.domains import DomainData
+from propermodel.presentation import notebook_html
 
 
 class Variable(StrEnum):
@@ -410,6 +411,9 @@ class Model:
     root: Part
     domains: tuple[DomainData, ...]
     removals: tuple[Removal, ...] = ()
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     def without(self, removals: Iterable[Removal]) -> Model:
         """The model with further removals."""

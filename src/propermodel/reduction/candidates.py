@@ -13,6 +13,7 @@ from propermodel.analysis.comparison import Comparison
 from propermodel.analysis.tolerances import Tolerance
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import Model, Removal
+from propermodel.presentation import notebook_html
 from propermodel.reduction.claim import Condition
 from propermodel.reduction.prediction import PredictedRow
 from propermodel.simulation.stepping import Stepping
@@ -73,6 +74,9 @@ class ProperModelSearch:
     alone: tuple[PredictedRow, ...]  # what every row alone would change, on the first scenario
     conditions: tuple[Condition, ...]  # under which all models were run
     stepping: Stepping
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     @property
     def best(self) -> Candidate | None:

@@ -13,6 +13,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, ReductionError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.model import Freeze, Removal
+from propermodel.presentation import notebook_html
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.groups import Group, GroupRules, find_groups
 from propermodel.reduction.judging import Judge, Rules, removals_of
@@ -68,6 +69,9 @@ class Reduction:
     kept_by_threshold: int
     protected: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     @property
     def kept(self) -> tuple[Decision, ...]:

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from propermodel.reduction.plan import Verdict
-from propermodel.report.panels import Display, Panel, display_for, display_of
+from propermodel.report.panels import Panel
 from propermodel.report.study import ReductionStudy
 from propermodel.report.timeline import column_of
+from propermodel.simulation.display_units import Display, display_for, display_of
 from propermodel.simulation.trajectory import Trajectory
 
 BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"

@@ -22,10 +22,11 @@ from propermodel.reduction.certificate import Certificate
 from propermodel.reduction.certify import CertifiedModel
 from propermodel.reduction.fitting import fitting_scenario
 from propermodel.report.buckets import extremes, packed
-from propermodel.report.panels import Display, Panel, Series, display_for
+from propermodel.report.panels import Panel, Series
 from propermodel.report.study import ReductionStudy
 from propermodel.report.summary import removal_text
 from propermodel.report.timeline import column_of
+from propermodel.simulation.display_units import Display, display_for
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.trajectory import Trajectory
 

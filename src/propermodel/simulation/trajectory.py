@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -18,9 +18,11 @@ from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.core import Expr
 from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Scenario
+from propermodel.presentation import notebook_html
 from propermodel.simulation.export import to_csv, to_pandas, to_xarray
 from propermodel.simulation.observables import observable_path
 from propermodel.simulation.overview import Overview, extremes_of, make_overview, overview_of_intervals
+from propermodel.simulation.plotting import plot
 from propermodel.simulation.recovery import integral_of, start_of, unknown_observable
 from propermodel.simulation.series import ArraySeries, Series
 from propermodel.simulation.stepping import Stepping
@@ -298,6 +300,13 @@ class Trajectory:
     def to_csv(self, file: FileName, only: Iterable[Expr | Path | str] | None = None) -> None:
         """Write recorded columns, by default all, over time as CSV, in SI."""
         to_csv(self, file, only)
+
+    def plot(self, observables: Iterable[Expr | Path | str], axes: Sequence[Any] | None = None) -> list[Any]:
+        """Draw observables over time with Matplotlib, one above the other, in usual units; see `plotting.plot`."""
+        return plot(self, observables, axes)
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     @property
     def paths(self) -> tuple[Path, ...]:
