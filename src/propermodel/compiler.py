@@ -16,7 +16,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import BondGraph
@@ -27,8 +27,6 @@ from propermodel.causality.transformer_loops import TransformerLoop, locked_loop
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.lower import Lowered, lower
 from propermodel.codegen.machine import Machine, Method
-from propermodel.codegen.rosenbrock import with_step_of
-from propermodel.codegen.tangents import Direction, TangentProgram, with_tangents
 from propermodel.diagnostics import Diagnostic, ModelWarning
 from propermodel.equations.events import SystemEvent
 from propermodel.equations.formulate import formulate
@@ -39,6 +37,9 @@ from propermodel.modelling.documents import from_document, to_document
 from propermodel.modelling.limits import Limits
 from propermodel.modelling.model import Model
 from propermodel.presentation import notebook_html
+
+if TYPE_CHECKING:
+    from propermodel.codegen.tangents import Direction, TangentProgram
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,9 @@ class CompiledModel:
         Raises:
             SimulationError: the derivatives pass an implicit block that is too large.
         """
+        from propermodel.codegen.rosenbrock import with_step_of
+        from propermodel.codegen.tangents import with_tangents
+
         key = (method, directions, signals, powers)
         if key not in self._tangents:
             with _collection_later():

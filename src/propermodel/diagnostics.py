@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 import sys
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager
@@ -85,15 +86,16 @@ def portable_file(file: str) -> str:
 
     A file outside both keeps only its own name, so that no document tells where somebody's home is.
     """
-    return _relative_to(file, (str(FilePath.cwd()), *sorted(sys.path, key=len, reverse=True)))
+    # Every part that is declared asks: look-ups must be quick where neither folder nor path has changed.
+    return _relative_to(file, os.getcwd(), tuple(sys.path))  # noqa: PTH109
 
 
 @lru_cache(maxsize=4096)
-def _relative_to(file: str, bases: tuple[str, ...]) -> str:
+def _relative_to(file: str, here: str, import_path: tuple[str, ...]) -> str:
     path = FilePath(file)
     if not path.is_absolute():
         return path.as_posix() if file else ""
-    for base in map(FilePath, bases):
+    for base in map(FilePath, (here, *sorted(import_path, key=len, reverse=True))):
         if len(base.parts) > 1 and path.is_relative_to(base):
             return path.relative_to(base).as_posix()
     return path.name

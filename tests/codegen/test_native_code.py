@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propermodel.codegen import native_code
+from propermodel.codegen import native_code, print_program
 from propermodel.codegen.llvm_compiler import Effort, host
 from propermodel.codegen.machine import Method, Request
 from propermodel.codegen.native import NativeMachine
@@ -70,7 +70,7 @@ def test_a_hit_prints_nothing(monkeypatch: pytest.MonkeyPatch):
     def printed(*_: object) -> None:
         raise AssertionError("printed")
 
-    monkeypatch.setattr(native_code, "print_program", printed)
+    monkeypatch.setattr(print_program, "print_program", printed)
     assert NativeMachine(program, Method.RK4).effort is Effort.QUICK
     with pytest.raises(AssertionError, match="printed"):
         NativeMachine(program, Method.EULER)

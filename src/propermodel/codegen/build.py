@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from propermodel.codegen.interpreted import InterpretedMachine
 from propermodel.codegen.llvm_compiler import vector_lanes
 from propermodel.codegen.machine import Machine, Method
 from propermodel.codegen.native import NativeMachine
 from propermodel.codegen.program import Program
-from propermodel.codegen.sundials import SundialsMachine
 
 INTERPRETED_LANES = 256  # where the numbers of an operation cost more than its call
 
@@ -29,9 +27,14 @@ def build_machine(program: Program, method: Method, lanes: int = 1, backend: Bac
         raise ValueError("a program with events runs in one lane: every run meets its own instants")
     if lanes > 1 and method.is_adaptive:
         raise ValueError("a method that controls its steps runs in one lane: every run has steps of its own")
+    # Most runs are native: the others are loaded when they are asked for.
     if not method.is_generated:
+        from propermodel.codegen.sundials import SundialsMachine
+
         return SundialsMachine(program, build_machine(program, Method.EULER, backend=backend))
     if backend is Backend.INTERPRETED:
+        from propermodel.codegen.interpreted import InterpretedMachine
+
         return InterpretedMachine(program, method, lanes)
     return NativeMachine(program, method, lanes)
 

@@ -24,8 +24,6 @@ from propermodel.codegen.schedule import (
 )
 from propermodel.expressions.core import Expr, Op, postorder
 
-# LLVM's time grows faster than the length of a function; much shorter ones cost speed.
-MOST_INSTRUCTIONS = 300
 _WEIGHTS = {Op.LOOKUP: 20, Op.SLOPE: 3, Op.POWER: 3, Op.SIGN: 4, Op.MINIMUM: 2, Op.MAXIMUM: 2}
 
 
@@ -52,7 +50,7 @@ class Piece:
 class Writer:
     """Writes the functions of one program into a module."""
 
-    def __init__(self, module: Module, program: Program, most_instructions: int = MOST_INSTRUCTIONS) -> None:
+    def __init__(self, module: Module, program: Program, most_instructions: int) -> None:
         self.module = module
         self.program = program
         self.most_instructions = most_instructions

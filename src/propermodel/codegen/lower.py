@@ -258,23 +258,15 @@ def _function(name: str, system: EquationSystem, assigns: list[Assign]) -> Funct
     """A function with the implicit blocks that its values need, in order."""
     if not system.blocks:
         return Function(name, tuple(assigns))
-    needed: set[ImplicitBlock] = set()
     owner = {u: block for block in system.blocks for u in block.unknowns}
+    needed: set[ImplicitBlock] = set()
     pending = [a.value for a in assigns]
     while pending:
-        for leaf in leaves(*pending):
-            block = owner.get(leaf)
-            if block is not None and block not in needed:
-                needed.add(block)
-                pending.extend(block.residuals)
-                pending.extend(entry for row in block.jacobian for entry in row)
-        pending = [r for r in pending if _mentions_unsolved(r, owner, needed)]
+        found = {owner[leaf]: None for leaf in leaves(*pending) if leaf in owner and owner[leaf] not in needed}
+        needed.update(found)
+        pending = [e for block in found for e in (*block.residuals, *(e for row in block.jacobian for e in row))]
     solves = [_solve(block) for block in system.blocks if block in needed]
     return Function(name, (*solves, *assigns))
-
-
-def _mentions_unsolved(expr: Expr, owner: dict[Expr, ImplicitBlock], needed: set[ImplicitBlock]) -> bool:
-    return any(leaf in owner and owner[leaf] not in needed for leaf in leaves(expr))
 
 
 def _correction(number: int, correction: Correction, layout: Layout) -> Function:

@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from propermodel.codegen.arrangement import MOST_INSTRUCTIONS
 from propermodel.codegen.control_block import Code
 from propermodel.codegen.fastest import prepare_watch
 from propermodel.codegen.llvm_compiler import Effort, Library
-from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS
 from propermodel.codegen.machine import (
     Failure,
     FloatArray,

@@ -7,13 +7,17 @@ import json
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.resources import files
+from typing import TYPE_CHECKING
 
+from propermodel.codegen.arrangement import Arrangement
 from propermodel.codegen.fingerprint import fingerprint
 from propermodel.codegen.llvm_compiler import Effort, compile_text, host
 from propermodel.codegen.machine import Method
 from propermodel.codegen.object_cache import user_cache
-from propermodel.codegen.print_program import Arrangement, Source, print_program
 from propermodel.codegen.program import Program
+
+if TYPE_CHECKING:
+    from propermodel.codegen.print_program import Source
 
 # What decides which text a program is printed as: every file of these rooms is part of the key.
 _ROOMS = ("propermodel.codegen", "propermodel.expressions")
@@ -69,6 +73,9 @@ class Recipe:
 
     @cached_property
     def _source(self) -> Source:
+        # Where an earlier process has kept the code, nothing is printed.
+        from propermodel.codegen.print_program import print_program
+
         return print_program(self.program, self.method, self.lanes, self.most_instructions)
 
     @cached_property

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from propermodel.codegen.arrangement import Arrangement
 from propermodel.codegen.control_block import Word
 from propermodel.codegen.fastest import NEVER
 from propermodel.codegen.llvm_tables import AXIS_WORDS, DESCRIPTOR_WORDS
@@ -21,7 +22,6 @@ from propermodel.codegen.machine import (
     TableData,
     count_from,
 )
-from propermodel.codegen.print_program import Arrangement
 from propermodel.codegen.program import Array, Program
 from propermodel.codegen.tables import PreparedTable, prepare_tables
 

@@ -3,55 +3,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from propermodel.codegen.arrangement import MOST_INSTRUCTIONS, Arrangement
 from propermodel.codegen.llvm_attempt import reserve_attempt, write_attempt
 from propermodel.codegen.llvm_events import reserve_events, write_events
 from propermodel.codegen.llvm_fastest import is_watching, reserve_watch
-from propermodel.codegen.llvm_functions import MOST_INSTRUCTIONS, Writer
+from propermodel.codegen.llvm_functions import Writer
 from propermodel.codegen.llvm_implicit import reserve_implicit
 from propermodel.codegen.llvm_newton import LARGEST_STRAIGHT
 from propermodel.codegen.llvm_run import write_entries, write_run
 from propermodel.codegen.llvm_step import StepWriter, write_common
 from propermodel.codegen.llvm_tables import TABLE_FUNCTIONS
 from propermodel.codegen.llvm_text import WIDE, Frame, Module, Shape
-from propermodel.codegen.machine import IntArray, Method
+from propermodel.codegen.machine import Method
 from propermodel.codegen.program import Array, Program, Solve
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.codegen.rosenbrock import with_step_of
 from propermodel.codegen.tableaus import EXPLICIT_TABLEAUS
-
-
-@dataclass(frozen=True, eq=False)
-class Arrangement:
-    """Where numbers are in the block of a run: where regions begin, and the row of every state in its regions."""
-
-    lanes: int
-    rows: int
-    regions: Mapping[str, int]
-    lengths: Mapping[Array, int]
-    state_rows: IntArray
-
-    def to_json(self) -> dict[str, object]:
-        """Plain data, from which `from_json` makes the same."""
-        return {
-            "lanes": self.lanes,
-            "rows": self.rows,
-            "regions": dict(self.regions),
-            "lengths": dict(self.lengths),
-            "state_rows": self.state_rows.tolist(),
-        }
-
-    @staticmethod
-    def from_json(data: Mapping[str, Any]) -> Arrangement:
-        """What `to_json` has told."""
-        rows = np.array(data["state_rows"], dtype=np.int64)
-        lengths = {Array(name): length for name, length in data["lengths"].items()}
-        return Arrangement(data["lanes"], data["rows"], data["regions"], lengths, rows)
 
 
 @dataclass(frozen=True)

@@ -239,6 +239,8 @@ def _declarations(cls: type) -> dict[str, Any]:
     """What a class declares or inherits, by name; the members of a vector port follow it."""
     found: dict[str, Any] = {}
     for base in reversed(cls.__mro__):
+        if not found and base in (object, Component):
+            continue  # which declare nothing, and have many names
         for name, value in vars(base).items():
             overridden = found.get(name)
             if isinstance(overridden, VectorPort):
