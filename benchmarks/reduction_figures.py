@@ -88,13 +88,13 @@ def which_zero(axes) -> None:
         r = run(model.without([removal]), 2.0, step=2e-4, every=1e-3)
         axes.plot(r.time[last], r[output][last] / 1e3, **style)
     axes.set(title="Which zero? A body with 0.3 % of the activity", xlabel="s", ylabel="force of the tyre, kN")
-    axes.legend(frameon=False, loc="upper right")
+    axes.legend(frameon=False, loc="lower left", fontsize=7.5)
 
 
 def stability(axes) -> None:
     """A stiff link between a force and the velocity that it brakes."""
-    full = run(controlled(at_far_mass=True), 1.2, step=5e-5, every=5e-4)
-    rigid = run(full.compiled.model.without(plain_mora(full)), 1.2, step=5e-4, every=5e-4)
+    full = run(controlled(at_far_mass=True), 1.8, step=5e-5, every=5e-4)
+    rigid = run(full.compiled.model.without(plain_mora(full)), 1.8, step=5e-4, every=5e-4)
     output = "far.flange.flow"
     axes.plot(full.time, full[output], **{**FULL, "lw": 0.7, "alpha": 0.8, "label": "full"})
     axes.plot(rigid.time, rigid[output], **{**PLAIN, "label": "plain MORA: rigid link"})
@@ -104,12 +104,12 @@ def stability(axes) -> None:
 
 def drift(axes) -> None:
     """A bearing that stops a wheel within hours."""
-    hours = run(flywheel(1e-3), 7200.0, step=5e-2, every=20.0, initial=SPINNING)
+    hours = run(flywheel(1e-3), 7200.0, step=5e-2, every=20.37, initial=SPINNING)
     free = run(
         hours.compiled.model.without([ZeroEffort(parse_path("bearing.shaft"))]),
         7200.0,
         step=5e-2,
-        every=20.0,
+        every=20.37,
         initial=SPINNING,
     )
     width = 25
