@@ -19,7 +19,6 @@ from propermodel.reduction.prediction import PredictedRow
 from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.zeros import listed
 
-ALIKE = 0.3  # costs that differ by less are not told apart, as other work disturbs them
 MARGIN = 0.8  # of the tolerance: what a recommended model may use, as other scenarios cost more
 
 
@@ -82,22 +81,26 @@ class ProperModelSearch:
     def best(self) -> Candidate | None:
         """The smallest model within the tolerances, the one with fewer states or less error among equals."""
         within = [c for c in self.candidates if c.verdict is Verdict.WITHIN]
-        return min(within, key=lambda c: (-len(c.rows), c.states, c.score), default=None)
+        return min(within, key=_place, default=None)
 
     @property
     def recommended(self) -> Candidate | None:
         """The smallest with a margin, for scenarios that were not tried; the best where none has one."""
         within = [c for c in self.candidates if c.verdict is Verdict.WITHIN and c.score <= MARGIN]
-        return min(within, key=lambda c: (-len(c.rows), c.states, c.score), default=self.best)
+        return min(within, key=_place, default=self.best)
 
     @property
     def front(self) -> tuple[Candidate, ...]:
-        """The measured candidates that no other beats in rows, states, error and cost at once, the largest first."""
-        measured = [c for c in self.candidates if c.comparisons and np.isfinite(c.score)]
-        best = {
-            (len(c.rows), c.states, c.score): c for c in measured if not any(_beats(other, c) for other in measured)
-        }
-        return tuple(best[key] for key in sorted(best, key=lambda key: (key[0], -key[1], key[2])))
+        """The measured candidates that no other beats in rows, states and error at once, the largest first.
+
+        What they cost is told by each; it is measured, so it decides nothing.
+        """
+        measured: dict[_Place, Candidate] = {}
+        for candidate in self.candidates:
+            if candidate.comparisons and np.isfinite(candidate.score):
+                measured.setdefault(_place(candidate), candidate)
+        front = (place for place in measured if not any(_beats(other, place) for other in measured))
+        return tuple(measured[place] for place in sorted(front, reverse=True))
 
     def reduced(self, candidate: Candidate | None = None) -> Model:
         """The model of a candidate, by default the recommended one; the full model if nothing can go."""
@@ -110,14 +113,14 @@ class ProperModelSearch:
             f"{self.simulations} simulations on {', '.join(self.scenarios)}"
         )
         lines = [head, *(f"  {path}: {tolerance}" for path, tolerance in self.tolerances.items())]
-        lines.append(f"{'rows':>6}{'states':>8}{'error / tolerance':>20}{'predicted':>11}{'s per s':>10}")
+        lines.append(f"{'rows':>6}{'states':>8}{'error / tolerance':>20}{'predicted':>11}")
+        recommended, best = (None if c is None else _place(c) for c in (self.recommended, self.best))
         for candidate in self.front:
-            mark = (
-                " <- recommended" if candidate is self.recommended else " <- smallest" if candidate is self.best else ""
-            )
+            place = _place(candidate)
+            mark = " <- recommended" if place == recommended else " <- smallest" if place == best else ""
             lines.append(
                 f"{self.rows - len(candidate.rows):>6}{candidate.states:>8}{candidate.score:>20.3f}"
-                f"{candidate.predicted:>11.3f}{candidate.cost:>10.2g}{mark}"
+                f"{candidate.predicted:>11.3f}{mark}"
             )
         if self.best is None:
             lines.append("nothing can go within these tolerances")
@@ -127,8 +130,13 @@ class ProperModelSearch:
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
 
-def _beats(one: Candidate, other: Candidate) -> bool:
-    """Whether one candidate is at least as good as another in everything, and better in something."""
-    sizes = (len(other.rows) - len(one.rows), one.states - other.states, one.score - other.score)
-    is_dearer, is_cheaper = one.cost > (1.0 + ALIKE) * other.cost, one.cost < (1.0 - ALIKE) * other.cost
-    return max(sizes) <= 0 and not is_dearer and (min(sizes) < 0 or is_cheaper)
+_Place = tuple[int, int, float]  # less the rows that go, states, error: less is better
+
+
+def _place(candidate: Candidate) -> _Place:
+    return -len(candidate.rows), candidate.states, candidate.score
+
+
+def _beats(one: _Place, other: _Place) -> bool:
+    """Whether one is at least as good as another in everything, and better in something."""
+    return one != other and all(a <= b for a, b in zip(one, other, strict=True))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -90,6 +91,11 @@ class Proposals:
         """The full model."""
         left = tuple(prediction.responses for prediction in self._predictions)
         return Node({}, 0.0, left, self._offers({}, left))
+
+    @cached_property
+    def alone(self) -> Mapping[Path, float]:
+        """The least predicted score of every row that goes alone."""
+        return {offer.row: offer.score for offer in reversed(self.root().offers)}
 
     def node(self, choice: Choice) -> Node | None:
         """The models that a choice leaves; None if it leaves no solution."""

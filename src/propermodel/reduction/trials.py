@@ -30,6 +30,7 @@ from propermodel.reduction.watched_run import WatchedRun, run_watched
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.trajectory import Trajectory
 
+FAR_MORE = 1.5
 ROWS = 2000  # recorded of each run, where nothing else is asked for
 
 
@@ -181,9 +182,8 @@ class Trials:
         return {row.path for row in self.full.system.rows} - {row.path for row in compiled.system.rows}
 
     def _fragile(self, choice: Choice, score: float) -> tuple[Path, ...]:
-        """The rows that alone are predicted to change more than all of them do: errors cancel each other."""
-        alone = ((row, self.proposals.proposed({row: way})) for row, way in choice.items())
-        return tuple(sorted(row for row, single in alone if single is None or single.score > score))
+        """The rows that alone, however replaced, are predicted to change far more than all do: errors cancel."""
+        return tuple(sorted(row for row in choice if self.proposals.alone.get(row, math.inf) > FAR_MORE * score))
 
     def _reformulated(self, choice: Choice) -> tuple[tuple[Removal, ...], CompiledModel]:
         """The model that a choice leaves, and the removals with the signals that keep a constant.
