@@ -111,6 +111,7 @@ if TYPE_CHECKING:
     from propermodel.drawing.svg import to_svg
     from propermodel.equations.matrices import SymbolicMatrices, symbolic_matrices
     from propermodel.equations.readable import ReadableEquations, state_equations
+    from propermodel.exchange.python import write_python
     from propermodel.modelling.documents import read_model, read_scenario, write_model, write_scenario
     from propermodel.reduction.candidates import Candidate, ProperModelSearch
     from propermodel.reduction.certificate import Certificate
@@ -212,6 +213,7 @@ _WHEN_USED = {
     "verify_certificate": "reduction.verify",
     "write_certificate": "reduction.certificate_files",
     "write_model": "modelling.documents",
+    "write_python": "exchange.python",
     "write_scenario": "modelling.documents",
 }
 
@@ -300,6 +302,7 @@ __all__ = [
     "Limits",
     "read_model",
     "write_model",
+    "write_python",
     "read_scenario",
     "write_scenario",
     # compiling and running

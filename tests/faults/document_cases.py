@@ -220,6 +220,12 @@ CASES = (
         cure="give one of them",
     ),
     Case(
+        code="command/export",
+        run=command("export", f"{RIG}:QuarterCar", "-o", "truck.txt"),
+        names=("truck.txt",),
+        cure="ends with .py or .json",
+    ),
+    Case(
         code="command/range",
         run=command(
             "reduce",

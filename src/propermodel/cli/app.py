@@ -11,6 +11,7 @@ from propermodel.cli.check import check
 from propermodel.cli.compare_methods import compare_methods
 from propermodel.cli.demo import demo
 from propermodel.cli.draw import draw
+from propermodel.cli.export import export
 from propermodel.cli.faults import Commands
 from propermodel.cli.linearise import linearise
 from propermodel.cli.partition import partition
@@ -53,6 +54,7 @@ app.command()(sensitivities)
 app.command()(show)
 app.command()(draw)
 app.command()(report)
+app.command()(export)
 app.command()(check)
 app.command()(demo)
 app.command()(cache)
