@@ -10,7 +10,8 @@ import sys
 import time
 from dataclasses import dataclass
 
-from propermodel.analysis.activity import ActivityRanking, rank_activity
+from propermodel.analysis.activity import rank_activity
+from propermodel.analysis.ranking import ActivityRanking
 from propermodel.codegen.machine import Method
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.library.vehicle.mission import mission

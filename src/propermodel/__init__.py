@@ -94,12 +94,13 @@ from propermodel.modelling import (
 )
 
 if TYPE_CHECKING:
-    from propermodel.analysis.activity import ActivityRanking, rank_activity
+    from propermodel.analysis.activity import rank_activity
     from propermodel.analysis.balance import EnergyBalance, energy_balance
     from propermodel.analysis.comparison import Comparison, OutputError, compare
     from propermodel.analysis.linear_model import LinearModel
     from propermodel.analysis.linearise import linearise
     from propermodel.analysis.modes import Mode, Modes
+    from propermodel.analysis.ranking import ActivityRanking
     from propermodel.analysis.responses import FrequencyResponse, TimeResponse
     from propermodel.analysis.sensitivities import Sensitivities, sensitivities
     from propermodel.analysis.tolerances import Tolerance
@@ -139,7 +140,7 @@ if TYPE_CHECKING:
     __version__: str
 
 _WHEN_USED = {
-    "ActivityRanking": "analysis.activity",
+    "ActivityRanking": "analysis.ranking",
     "Backend": "compiler",
     "CausalReport": "causality.report",
     "Certificate": "reduction.certificate",

@@ -13,7 +13,9 @@ from propermodel.cli.models import NAMED_MODELS
 from propermodel.cli.options import MethodName
 from propermodel.cli.progress import ProgressBars
 from propermodel.compiler import Method, compile_model
-from propermodel.modelling.documents import read_model, write_model
+from propermodel.diagnostics import parse_path
+from propermodel.modelling.documents import read_model, write_model, write_scenario
+from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import Progress
 from propermodel.simulation.storage import load_trajectory
 
@@ -273,6 +275,29 @@ def test_partition_tells_parts_and_cuts():
     report = json.loads(succeed("partition", MODEL, "--step", "0.001", "--junction-tolerance", "1e-9", "--json"))
     assert report["format"] == "propermodel-partition"
     assert report["cuts"] == []
+
+
+def test_rank_over_windows_tells_the_largest_indices_and_what_is_kept():
+    printed = succeed("rank", MODEL, "--step", "0.001", "--windows", "0.3:1.7,2:4", "--threshold", "0.99")
+    assert "waves, 0.3 to 1.7 s" in printed
+    assert "a threshold of 0.99 keeps 5 of 6" in printed
+    report = json.loads(succeed("rank", MODEL, "--step", "0.001", "--no-refine", "--windows", "1 s", "--json"))
+    assert len(report["parts"]) == 10
+    body = next(element for element in report["elements"] if element["path"] == "body")
+    assert body["largest_index"] == max(part["index"] for part in body["parts"])
+    assert sum(c["index"] for c in report["components"]) < 1.0
+    assert "'0:x' are no windows" in fail(2, "rank", MODEL, "--windows", "0:x")
+
+
+def test_rank_prints_csv_with_a_column_for_each_scenario(tmp_path: Path):
+    files = [tmp_path / f"{name}.json" for name in ("short", "long")]
+    for number, file in enumerate(files, 1):
+        start = {parse_path("wheel.momentum"): 8.0}
+        write_scenario(Scenario(name=file.stem, stop=float(number), initial=start), file)
+    scenarios = [argument for file in files for argument in ("--scenario", file)]
+    lines = succeed("rank", MODEL, "--csv", "--no-refine", *scenarios).splitlines()
+    assert lines[0].endswith("index in short,index in long")
+    assert len(lines) == 7
 
 
 def test_show_tells_the_tree_by_default():

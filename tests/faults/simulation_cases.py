@@ -507,6 +507,25 @@ CASES = (
         cure="a smaller step",
     ),
     Case(
+        code="activity/window",
+        run=lambda: rank_activity(run(), windows=[(2.0, 1.0)]),
+        names=("2 to 1 s",),
+        cure="begin first",
+    ),
+    Case(
+        code="activity/coarse",
+        run=lambda: rank_activity(run(), windows=[(0.0, 0.2)]),
+        names=("0.2 s", "every 0.5 s"),
+        cure="integrals_every=0.2",
+    ),
+    Case(code="activity/runs", run=lambda: rank_activity([]), names=("0 runs",), cure="at least one run"),
+    Case(
+        code="activity/unknown-row",
+        run=lambda: rank_activity(run()).row(pm.Path(("bdy",))),
+        names=("bdy",),
+        cure="did you mean 'body'?",
+    ),
+    Case(
         code="reduction/cut",
         run=lambda: without(Cut(SPRING, Variable.EFFORT)),
         names=("suspension.spring.port", "effort", "1-junction"),

@@ -2,186 +2,219 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
+from propermodel.analysis.ranking import (
+    ActivityRanking,
+    RankedPart,
+    RowContent,
+    discretisation_of,
+    index_changes,
+    ranked_rows,
+)
+from propermodel.analysis.windows import KeptIntegrals, Window, Windows, windows_of
 from propermodel.bondgraph.pseudo import is_pseudo
 from propermodel.diagnostics import Diagnostic, Path, ReductionError, one_of
-from propermodel.presentation import notebook_html
 from propermodel.simulation.trajectory import Trajectory
 
 TRUE = "true"  # what true bonds are called in `rank_activity(run, among=...)`
-
-
-@dataclass(frozen=True, slots=True)
-class ActivityRow:
-    """One row of a ranking. `cumulative` is the share of this row and all above it; `ports` are single bonds, J."""
-
-    path: Path
-    kind: str
-    activity: float  # J
-    index: float
-    cumulative: float
-    elements: tuple[Path, ...]
-    ports: tuple[tuple[Path, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Discretisation:
-    """The same run with finer steps: by how much indices change, in percentage points."""
-
-    step: float
-    refined_step: float
-    tolerance: float
-    refined_tolerance: float
-    largest_change_points: float
-    largest_change_at: Path
-    total_change: float  # relative change of the total activity
-
-    @property
-    def comparison(self) -> str:
-        """What was compared, in words."""
-        if self.step == self.refined_step:
-            return f"at a tolerance of {self.refined_tolerance:g} instead of {self.tolerance:g}"
-        return f"at a step of {self.refined_step:g} s instead of {self.step:g} s"
-
-
-@dataclass(frozen=True, kw_only=True)
-class ActivityRanking:
-    """Rows sorted by activity, ties by path, with what the numbers depend on."""
-
-    rows: tuple[ActivityRow, ...]
-    total: float  # J
-    window: tuple[float, float]
-    scenario: str
-    datums: tuple[str, ...]
-    discretisation: Discretisation | None
-
-    def _repr_html_(self) -> str | None:
-        return notebook_html(self)
-
-    def row(self, path: Path) -> ActivityRow:
-        """The row of an element or group."""
-        return next(row for row in self.rows if row.path == path)
-
-    def kept_by(self, threshold: float) -> tuple[ActivityRow, ...]:
-        """The published rule: rows from the top until their share reaches the threshold; the row that reaches it stays.
-
-        Raises:
-            ReductionError: the threshold is not a share between 0 and 1.
-        """
-        if not 0.0 <= threshold <= 1.0:
-            raise ReductionError.of(
-                "reduction/threshold",
-                f"the threshold is {threshold:g}, not a share between 0 and 1",
-                help="write 0.99 for 99 percent",
-            )
-        kept: list[ActivityRow] = []
-        share = 0.0
-        for row in self.rows:
-            # All rows are kept for a threshold of 1, also where rounding lifts the sum early.
-            if kept and share >= threshold and (threshold < 1.0 or row.activity == 0.0):
-                break
-            if threshold == 0.0:
-                break
-            kept.append(row)
-            share = row.cumulative
-        return tuple(kept)
-
-    def __str__(self) -> str:
-        width = max((len(str(row.path)) for row in self.rows), default=4)
-        lines = [f"{'':>3}  {'element':<{width}}  kind    activity J     index  cumulative"]
-        for number, row in enumerate(self.rows, 1):
-            lines.append(
-                f"{number:>3}  {row.path!s:<{width}}  {row.kind:<4} {row.activity:>13.5g}  {row.index:>8.3%}  "
-                f"{row.cumulative:>9.3%}"
-            )
-        lines.append(f"total activity {self.total:.6g} J from {self.window[0]:g} to {self.window[1]:g} s")
-        if self.discretisation is None:
-            lines.append("no discretisation check was made: give rank_activity a refined run")
-        else:
-            check = self.discretisation
-            lines.append(
-                f"discretisation check: {check.comparison} indices "
-                f"change by at most {check.largest_change_points:.3f} points ({check.largest_change_at})"
-            )
-        return "\n".join(lines)
+IDLE_BELOW = 1e-3
 
 
 def rank_activity(
-    trajectory: Trajectory,
+    runs: Trajectory | Sequence[Trajectory],
     *,
-    refined: Trajectory | None = None,
-    window: tuple[float, float] | None = None,
+    refined: Trajectory | Sequence[Trajectory] | None = None,
+    window: Window | None = None,
+    windows: Windows | None = None,
     among: str | None = None,
+    idle_below: float = IDLE_BELOW,
 ) -> ActivityRanking:
-    """Rank the energy elements of a run by activity.
+    """Rank the energy elements of a run, or of runs of several scenarios, by activity.
+
+    Several runs, and the windows of a run, are ranked each by itself as well: rows are then sorted by their largest
+    index, and `kept_by` keeps what any of them needs. Activities, indices and their sums are those of all runs
+    together.
 
     Args:
-        trajectory: The run.
-        refined: The same run at a smaller step; without it the ranking says that it is unchecked.
-        window: A part of the run (taken to the instants at which integrals were kept); by default all of it.
+        runs: The run, or runs of one model through several scenarios.
+        refined: The same at a smaller step; without it the ranking says that it is unchecked.
+        window: The part of each run that is looked at, s; by default all of it.
+        windows: Windows that are ranked by themselves, so that what matters for a short while is not diluted: how many
+            of equal length, their length (`"10 s"`), or pairs of instants. They begin and end at instants at which
+            integrals were kept, `simulate(..., integrals_every=...)`; nothing is interpolated.
         among: In a model of true and pseudo bonds, which are ranked: `true`, or the name of a pseudo domain.
+        idle_below: A window whose mean power is below this share of that of its run is idle: it keeps nothing, since
+            indices of almost nothing are noise.
 
     Raises:
-        ReductionError: nothing moved, the run did not reach its end, or true and pseudo bonds would be mixed.
+        ReductionError: nothing moved, a run did not reach its end, true and pseudo bonds would be mixed, runs are of
+            different models, or a window is not one, or begins or ends where integrals were not kept.
     """
-    _check(trajectory, among)
-    if refined is not None:
-        _check_complete(refined, "refined run")
-    kept = _rows_among(trajectory, among)
-    activities = {path: activity for path, activity in row_activities(trajectory, window).items() if path in kept}
-    total = sum(activities.values())
-    if not total > 0.0:
-        raise ReductionError.of(
-            "activity/none",
-            f"nothing is active in scenario '{trajectory.scenario.name}': no element exchanges energy",
-            help="give the scenario inputs or starts that make something move, or a later stop",
-        )
-    finer = {} if refined is None else row_activities(refined, window)
-    finer = {path: activity for path, activity in finer.items() if path in kept}
-    discretisation = None if refined is None else _compare_steps(trajectory, refined, activities, finer)
-    by_row = {row.path: row for row in trajectory.compiled.system.rows}
-    rows: list[ActivityRow] = []
-    cumulative = 0.0
-    for path in sorted(activities, key=lambda p: (-activities[p], p)):
-        row = by_row[path]
-        cumulative += activities[path]
-        ports = tuple((bond, bond_activity(trajectory, bond, window)) for bond in row.bonds)
-        rows.append(
-            ActivityRow(
-                path,
-                row.kind,
-                activities[path],
-                activities[path] / total,
-                cumulative / total,
-                row.elements,
-                ports,
-            )
-        )
-    domains = trajectory.compiled.graph.domains.values()
+    given = _as_tuple(runs)
+    finer = () if refined is None else _as_tuple(refined)
+    _check(given, finer, among)
+    measured = [
+        _measure(run, finer[number] if finer else None, window, windows, among, idle_below)
+        for number, run in enumerate(given)
+    ]
+    parts = tuple(part for found in measured for part in found.windows)
+    if len(measured) > 1:
+        parts = tuple(part for found in measured for part in (found.whole, *found.windows))
+    activities = _sum([found.whole.activities for found in measured])
+    changes: dict[Path, float] = {}
+    discretisation = None
+    if finer:
+        fine = _sum([found.finer for found in measured])
+        changes = index_changes(activities, fine)
+        total_change = sum(fine.values()) / sum(activities.values()) - 1.0
+        discretisation = discretisation_of(_comparison(given[0], finer[0]), changes, parts, total_change)
+    spans = [found.whole.window for found in measured]
+    idle = [part.name for part in parts if part.is_idle]
     return ActivityRanking(
-        rows=tuple(rows),
-        total=total,
-        window=window if window is not None else (trajectory.scenario.start, trajectory.ending.time),
-        scenario=trajectory.scenario.name,
-        datums=tuple(f"{d.name}: {d.datum}" for d in domains if d.datum),
+        rows=ranked_rows(_contents(given, window, set(activities)), activities, changes, parts),
+        total=sum(activities.values()),
+        window=(min(w for w, _ in spans), max(w for _, w in spans)),
+        scenario=", ".join(found.whole.scenario for found in measured),
+        datums=datums_of(given[0]),
         discretisation=discretisation,
+        parts=parts,
+        notes=((f"idle, with a mean power below {idle_below:g} of that of the run: {_listed(idle)}",) if idle else ()),
     )
 
 
-def _rows_among(trajectory: Trajectory, among: str | None) -> set[Path]:
-    """The rows that are ranked."""
-    graph = trajectory.compiled.graph
-    found: set[Path] = set()
-    for row in trajectory.compiled.system.rows:
-        bonds = [graph.normal.bonds[name] for name in row.bonds]
-        kinds = {bond.domain if is_pseudo(graph, bond) else TRUE for bond in bonds}
-        if among is None or kinds == {among}:
-            found.add(row.path)
-    return found
+def _as_tuple(runs: Trajectory | Sequence[Trajectory]) -> tuple[Trajectory, ...]:
+    return (runs,) if isinstance(runs, Trajectory) else tuple(runs)
+
+
+# -- one run -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """A run as a whole and in windows, with its activities at finer steps."""
+
+    whole: RankedPart
+    windows: tuple[RankedPart, ...]
+    finer: Mapping[Path, float]
+
+
+def _measure(
+    run: Trajectory,
+    refined: Trajectory | None,
+    window: Window | None,
+    windows: Windows | None,
+    among: str | None,
+    idle_below: float,
+) -> _Measured:
+    span = (run.scenario.start, run.ending.time)
+    if window is not None:
+        (window,) = windows_of([window], *span)
+    name = run.scenario.name
+    kept = _rows_among(run, among)
+    integrals, finer = KeptIntegrals(run), None if refined is None else KeptIntegrals(refined)
+
+    def part(part_name: str, between: Window | None, floor: float) -> tuple[RankedPart, dict[Path, float]]:
+        begin, end = between or span
+        activities = _among(integrals, between, kept)
+        fine = {} if finer is None else _among(finer, between, kept)
+        return RankedPart(
+            name=part_name,
+            scenario=name,
+            window=(begin, end),
+            activities=activities,
+            changes=index_changes(activities, fine) if fine else {},
+            is_idle=not sum(activities.values()) > floor * (end - begin),
+        ), fine
+
+    whole, fine = part(name, window, 0.0)
+    if whole.is_idle:
+        raise ReductionError.of(
+            "activity/none",
+            f"nothing is active in scenario '{name}': no element exchanges energy",
+            help="give the scenario inputs or starts that make something move, or a later stop",
+        )
+    begin, end = whole.window
+    floor = idle_below * whole.total / (end - begin)
+    found = () if windows is None else windows_of(windows, begin, end)
+    return _Measured(whole, tuple(part(f"{name}, {a:g} to {b:g} s", (a, b), floor)[0] for a, b in found), fine)
+
+
+def _among(integrals: KeptIntegrals, window: Window | None, rows: set[Path]) -> dict[Path, float]:
+    return {
+        row.path: integrals.between(_entry(row.path, row.bonds), window)
+        for row in integrals.run.compiled.system.rows
+        if row.path in rows
+    }
+
+
+def _entry(row: Path, bonds: tuple[Path, ...]) -> Path:
+    """What has the power of a row: a group and a field count the power of all their bonds together."""
+    return row if len(bonds) > 1 else next(iter(bonds))
+
+
+# -- several runs ------------------------------------------------------------------------------------------
+
+
+def _sum(found: Sequence[Mapping[Path, float]]) -> dict[Path, float]:
+    return {path: sum(activities[path] for activities in found) for path in found[0]}
+
+
+def _contents(runs: Sequence[Trajectory], window: Window | None, rows: set[Path]) -> list[RowContent]:
+    integrals = [KeptIntegrals(run) for run in runs]
+    return [
+        RowContent(
+            path=row.path,
+            kind=row.kind,
+            elements=row.elements,
+            ports=tuple((bond, sum(kept.between(bond, window) for kept in integrals)) for bond in row.bonds),
+        )
+        for row in runs[0].compiled.system.rows
+        if row.path in rows
+    ]
+
+
+def _comparison(run: Trajectory, refined: Trajectory) -> str:
+    if run.step == refined.step:
+        return f"at a tolerance of {refined.tolerance:g} instead of {run.tolerance:g}"
+    return f"at a step of {refined.step:g} s instead of {run.step:g} s"
+
+
+def _listed(names: Sequence[str], most: int = 5) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return "; ".join(names[:most]) + more
+
+
+def datums_of(run: Trajectory) -> tuple[str, ...]:
+    """What the numbers of a run count from."""
+    return tuple(f"{d.name}: {d.datum}" for d in run.compiled.graph.domains.values() if d.datum)
+
+
+# -- what can be ranked ------------------------------------------------------------------------------------
+
+
+def _check(runs: Sequence[Trajectory], refined: Sequence[Trajectory], among: str | None) -> None:
+    if not runs or (refined and len(refined) != len(runs)):
+        raise ReductionError.of(
+            "activity/runs",
+            f"{len(runs)} runs and {len(refined)} refined runs cannot be ranked",
+            help="give at least one run, and no refined ones or one for each, in the same order",
+        )
+    for run in runs:
+        _check_complete(run, "run" if len(runs) == 1 else f"run of scenario '{run.scenario.name}'")
+    for run in refined:
+        _check_complete(run, "refined run")
+    first = runs[0].compiled.system.rows
+    for run in (*runs[1:], *refined):
+        if run.compiled.system.rows != first:
+            raise ReductionError.of(
+                "activity/runs",
+                f"the runs are of models with different rows: {runs[0].compiled.model.name} and "
+                f"{run.compiled.model.name}",
+                help="rank runs of one model together, and others apart",
+            )
+    _check_bonds(runs[0], among)
 
 
 def _check_complete(trajectory: Trajectory, name: str) -> None:
@@ -194,8 +227,7 @@ def _check_complete(trajectory: Trajectory, name: str) -> None:
         )
 
 
-def _check(trajectory: Trajectory, among: str | None) -> None:
-    _check_complete(trajectory, "run")
+def _check_bonds(trajectory: Trajectory, among: str | None) -> None:
     graph = trajectory.compiled.graph
     pseudo = sorted({domain.name for domain in graph.domains.values() if not domain.is_true})
     if among is not None and among not in (TRUE, *pseudo):
@@ -221,21 +253,22 @@ def _check(trajectory: Trajectory, among: str | None) -> None:
         )
 
 
-def row_activities(trajectory: Trajectory, window: tuple[float, float] | None = None) -> dict[Path, float]:
-    """The activity of every row, J; a group and a field count the power of all their bonds together."""
-    return {
-        row.path: bond_activity(trajectory, row.path if len(row.bonds) > 1 else next(iter(row.bonds)), window)
-        for row in trajectory.compiled.system.rows
-    }
+def _rows_among(trajectory: Trajectory, among: str | None) -> set[Path]:
+    """The rows that are ranked."""
+    graph = trajectory.compiled.graph
+    found: set[Path] = set()
+    for row in trajectory.compiled.system.rows:
+        bonds = [graph.normal.bonds[name] for name in row.bonds]
+        kinds = {bond.domain if is_pseudo(graph, bond) else TRUE for bond in bonds}
+        if among is None or kinds == {among}:
+            found.add(row.path)
+    return found
 
 
-def bond_activity(trajectory: Trajectory, entry: Path, window: tuple[float, float] | None = None) -> float:
-    """The activity of a bond (or of a row of several), J."""
-    if window is None:
-        return trajectory.activity(entry)
-    column = trajectory.kept_activity(entry)
-    first, last = (int(np.argmin(np.abs(trajectory.integral_times - t))) for t in window)
-    return float(column[last] - column[first])
+def row_activities(trajectory: Trajectory) -> dict[Path, float]:
+    """The activity of every row over the whole run, J."""
+    rows = trajectory.compiled.system.rows
+    return {row.path: trajectory.activity(_entry(row.path, row.bonds)) for row in rows}
 
 
 def bond_activities(trajectory: Trajectory) -> Mapping[Path, float]:
@@ -245,23 +278,3 @@ def bond_activities(trajectory: Trajectory) -> Mapping[Path, float]:
         for i, power in enumerate(trajectory.compiled.lowered.powers)
         if power.kind == "bond"
     }
-
-
-def _compare_steps(
-    trajectory: Trajectory,
-    refined: Trajectory,
-    activities: Mapping[Path, float],
-    finer: Mapping[Path, float],
-) -> Discretisation:
-    total, finer_total = sum(activities.values()), sum(finer.values())
-    changes = {path: abs(finer[path] / finer_total - activities[path] / total) * 100.0 for path in activities}
-    worst = max(changes, key=lambda p: (changes[p], p))
-    return Discretisation(
-        step=trajectory.step,
-        refined_step=refined.step,
-        tolerance=trajectory.tolerance,
-        refined_tolerance=refined.tolerance,
-        largest_change_points=changes[worst],
-        largest_change_at=worst,
-        total_change=finer_total / total - 1.0,
-    )

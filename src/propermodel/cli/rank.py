@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,7 +15,6 @@ from propermodel.cli.options import (
     MethodOption,
     ModelText,
     OutputOption,
-    ScenarioText,
     SetOption,
     StepOption,
     ToleranceOption,
@@ -22,10 +22,20 @@ from propermodel.cli.options import (
     configured,
 )
 
+if TYPE_CHECKING:
+    from propermodel.simulation.trajectory import Trajectory
+
 
 def rank(
     model: ModelText,
-    scenario: ScenarioText = None,
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--scenario",
+            help="A name, file.py:function, or the JSON document of a scenario; given more than once, all are ranked.",
+            metavar="SCENARIO",
+        ),
+    ] = None,
     until: Until = None,
     method: MethodOption = None,
     step: StepOption = None,
@@ -36,91 +46,94 @@ def rank(
     window: Annotated[
         tuple[float, float] | None, typer.Option(help="The part of the run to rank, s.", metavar="FROM TO")
     ] = None,
+    windows: Annotated[
+        str | None,
+        typer.Option(
+            help='Windows ranked by themselves: how many, their length ("10 s"), or pairs: 0:5,20:22.',
+            metavar="N|LENGTH|PAIRS",
+        ),
+    ] = None,
+    threshold: Annotated[
+        float | None, typer.Option(help="Tell what is kept at this share of the activity.", min=0.0, max=1.0)
+    ] = None,
     refine: Annotated[
         bool,
         typer.Option("--refine/--no-refine", help="Check with a run at half the step, or a tenth of the tolerance."),
     ] = True,
     as_json: AsJson = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV in place of tables.")] = False,
 ) -> None:
-    """Rank the energy elements of a model by activity, and with --output by what their removal would change."""
+    """Rank the energy elements of a model by activity, and with --output by what their removal would change.
+
+    Several scenarios and windows are ranked each by itself, too: rows are sorted by their largest index.
+    """
     from propermodel.analysis.activity import rank_activity
     from propermodel.cli.models import load_subject
     from propermodel.cli.progress import ProgressBars
+    from propermodel.cli.rank_windows import parse_windows, period_of_windows
+    from propermodel.cli.ranking_report import prediction_report, ranking_report, write_ranking_csv
     from propermodel.cli.tables import Screen, prediction_table, ranking_notes, ranking_table
     from propermodel.compiler import compile_model
     from propermodel.diagnostics import SimulationError, parse_path
-    from propermodel.modelling.removal_words import removal_text
     from propermodel.reduction.prediction import predict_errors
     from propermodel.report.study import StudyOptions, StudySoFar
 
-    subject = configured(
-        load_subject(model, scenario),
-        until=until,
-        method=method,
-        step=step,
-        jacobian_every=jacobian_every,
-        tolerance=tolerance,
-        settings=settings,
-    )
+    subjects = [
+        configured(
+            load_subject(model, name),
+            until=until,
+            method=method,
+            step=step,
+            jacobian_every=jacobian_every,
+            tolerance=tolerance,
+            settings=settings,
+        )
+        for name in (scenario or [None])
+    ]
+    subject, scenarios = subjects[0], [each.scenario for each in subjects]
+    wanted = None if windows is None else parse_windows(windows)
     compiled = compile_model(subject.model)
-    so_far = StudySoFar()
     options = StudyOptions(
         method=subject.method,
         step=subject.step,
         jacobian_every=subject.jacobian_every,
         step_tolerance=subject.tolerance,
     )
+    options = replace(options, integral_period=period_of_windows(options, scenarios, window, wanted))
+    runs: list[Trajectory] = []
+    refined: list[Trajectory] = []
     with ProgressBars() as bars:
-        try:
-            full = so_far.run("full", compiled, subject.scenario, options, bars)
-            refined = so_far.refine(full, options, bars) if refine else None
-        except SimulationError as error:
-            if not so_far.runs:
-                raise
-            print_diagnostics(error.diagnostics)
-            raise typer.Exit(INTERRUPTED if so_far.was_interrupted else FAULTS_FOUND) from None
-    ranking = rank_activity(full, refined=refined, window=window)
-    prediction = predict_errors(full, map(parse_path, output)) if output else None
+        for each in scenarios:
+            so_far = StudySoFar()
+            try:
+                runs.append(so_far.run("full", compiled, each, options, bars))
+                if refine:
+                    refined.append(so_far.refine(runs[-1], options, bars))
+            except SimulationError as error:
+                if not so_far.runs:
+                    raise
+                print_diagnostics(error.diagnostics)
+                raise typer.Exit(INTERRUPTED if so_far.was_interrupted else FAULTS_FOUND) from None
+    ranking = rank_activity(runs, refined=refined or None, window=window, windows=wanted)
+    kept = None if threshold is None else [str(row.path) for row in ranking.kept_by(threshold)]
+    prediction = predict_errors(runs[0], map(parse_path, output)) if output else None
+    if as_csv:
+        write_ranking_csv(ranking)
+        return
     if as_json:
-        check = ranking.discretisation
-        report: dict[str, object] = {
-            "model": compiled.model.name,
-            "scenario": ranking.scenario,
-            "window_s": list(ranking.window),
-            "total_activity_J": ranking.total,
-            "datums": list(ranking.datums),
-            "discretisation_check_points": None if check is None else check.largest_change_points,
-            "elements": [
-                {
-                    "path": str(row.path),
-                    "kind": row.kind,
-                    "activity_J": row.activity,
-                    "index": row.index,
-                    "cumulative": row.cumulative,
-                }
-                for row in ranking.rows
-            ],
-        }
+        report = {"model": compiled.model.name, **ranking_report(ranking)}
+        if kept is not None:
+            report |= {"threshold": threshold, "kept": kept}
         if prediction is not None:
-            report["predicted_errors"] = [
-                {
-                    "path": str(row.row),
-                    "ways": [
-                        {
-                            "removals": [removal_text(removal) for removal in way.removals],
-                            "rms_over_range": {str(path): error for path, error in way.errors.items()},
-                        }
-                        for way in row.ways
-                    ],
-                }
-                for row in prediction.rows()
-            ]
-            report["notes"] = list(prediction.notes)
+            report["predicted_errors"] = prediction_report(prediction)
+            report["notes"] = [*ranking.notes, *prediction.notes]
         typer.echo(json.dumps(report, indent=2))
         return
     screen = Screen()
     screen.print(ranking_table(ranking))
     for note in ranking_notes(ranking):
         screen.print(note)
+    if kept is not None:
+        screen.print(f"a threshold of {threshold:g} keeps {len(kept)} of {len(ranking.rows)}: {', '.join(kept)}")
     if prediction is not None:
         screen.print("", prediction_table(prediction, ranking), *prediction.notes)

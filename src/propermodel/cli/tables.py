@@ -9,8 +9,8 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from propermodel.analysis.activity import ActivityRanking
 from propermodel.analysis.comparison import Comparison
+from propermodel.analysis.ranking import ActivityRanking
 from propermodel.modelling.removal_words import removal_text
 from propermodel.reduction.plan import Reduction, Verdict
 from propermodel.reduction.prediction import Prediction
@@ -53,19 +53,25 @@ def plain(text: object) -> Text:
 
 
 def ranking_table(ranking: ActivityRanking) -> Table:
-    """The ranking of activity."""
+    """The ranking of activity; with parts also the largest index and where, with a check what it changes."""
     start, stop = ranking.window
+    plural = "s" if ", " in ranking.scenario else ""
+    is_checked = ranking.discretisation is not None
+    optional = ["+- points"] * is_checked + ["largest", "in"] * bool(ranking.parts)
     made = table(
-        f"Activity in scenario {ranking.scenario}, {start:g} to {stop:g} s",
+        f"Activity in scenario{plural} {ranking.scenario}, {start:g} to {stop:g} s",
         "element",
         "rank",
         "kind",
         "activity J",
         "index",
         "cumulative",
-        right=("rank", "activity J", "index", "cumulative"),
+        *optional,
+        right=("rank", "activity J", "index", "cumulative", "+- points", "largest"),
     )
     for number, row in enumerate(ranking.rows, 1):
+        more = ["-" if row.change_points is None else f"{row.change_points:.2g}"] * is_checked
+        more += [f"{row.largest_index:.3%}", row.largest_in or "the whole"] * bool(ranking.parts)
         made.add_row(
             plain(row.path),
             str(number),
@@ -73,6 +79,7 @@ def ranking_table(ranking: ActivityRanking) -> Table:
             f"{row.activity:.5g}",
             f"{row.index:.3%}",
             f"{row.cumulative:.3%}",
+            *map(plain, more),
         )
     return made
 
@@ -108,6 +115,7 @@ def ranking_notes(ranking: ActivityRanking) -> list[str]:
             f"{check.largest_change_points:.3f} points ({check.largest_change_at})"
         )
     notes.extend(f"datum of {datum}" for datum in ranking.datums)
+    notes.extend(ranking.notes)
     return notes
 
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 
-from propermodel.analysis.activity import ActivityRanking
+from propermodel.analysis.ranking import ActivityRanking
 from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Why

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from propermodel.analysis.activity import ActivityRow
+from propermodel.analysis.ranking import ActivityRow
 from propermodel.bondgraph.graph import Bond
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import JunctionKind, Removal, ZeroEffort, ZeroFlow

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from propermodel.analysis.activity import ActivityRanking, ActivityRow
+from propermodel.analysis.ranking import ActivityRanking, ActivityRow
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, ReductionError, one_of
 from propermodel.expressions.core import Expr
@@ -156,7 +156,8 @@ def plan_reduction(
     Args:
         compiled: The full model.
         trajectory: Its run, with the observables of all ports recorded.
-        ranking: Its ranking.
+        ranking: Its ranking; one over windows or scenarios keeps what any of them needs, while the local tests look at
+            this run.
         threshold: The share of activity to keep.
         protected: Observables that must stay defined.
         tolerance: Largest share that a neglected term may have at its junction.

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propermodel.analysis.activity import ActivityRanking
+from propermodel.analysis.ranking import ActivityRanking
 from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, ReductionError, one_of
 from propermodel.expressions.core import Expr

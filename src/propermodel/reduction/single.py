@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from propermodel.analysis.activity import ActivityRow
+from propermodel.analysis.ranking import ActivityRow
 from propermodel.bondgraph.graph import Bond
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import (

@@ -9,8 +9,8 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from propermodel.analysis.activity import ActivityRanking
 from propermodel.analysis.comparison import Comparison
+from propermodel.analysis.ranking import ActivityRanking
 from propermodel.codegen.machine import FloatArray
 from propermodel.compiler import CompiledModel, compile_quietly
 from propermodel.diagnostics import ProperModelError

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from propermodel.analysis.activity import ActivityRanking, Discretisation, bond_activities, rank_activity
+from propermodel.analysis.activity import bond_activities, rank_activity
 from propermodel.analysis.balance import EnergyBalance, energy_balance
 from propermodel.analysis.comparison import OutputError, compare
+from propermodel.analysis.ranking import ActivityRanking, Discretisation
 from propermodel.codegen.machine import FloatArray
 from propermodel.codegen.versions import versions
 from propermodel.compiler import compile_quietly

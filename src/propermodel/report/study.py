@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from propermodel.analysis.activity import ActivityRanking, rank_activity
+from propermodel.analysis.activity import rank_activity
 from propermodel.analysis.balance import EnergyBalance, energy_balance
 from propermodel.analysis.comparison import Comparison, compare
+from propermodel.analysis.ranking import ActivityRanking
 from propermodel.compiler import CompiledModel, Method, compile_model, compile_quietly
 from propermodel.diagnostics import Diagnostic, Path, ProperModelError, SimulationError, one_of, parse_path
 from propermodel.modelling.model import ElementKind, Model, Scenario
@@ -43,6 +44,7 @@ class StudyOptions:
     step_tolerance: float = DEFAULT_TOLERANCE  # of a method that controls its steps
     speed_repeats: int = 5  # 0: not measured
     best_steps: bool = True
+    integral_period: float | None = None  # at which integrals are kept, s; by default a hundredth of the scenario
 
     def record_every(self, scenario: Scenario) -> float:
         """The period of recording, s: at least a thousand rows of a short scenario."""
@@ -51,6 +53,8 @@ class StudyOptions:
 
     def integrals_every(self, scenario: Scenario) -> float:
         """The period at which integrals are kept, s."""
+        if self.integral_period is not None:
+            return self.integral_period
         return max(self.record_every(scenario), min(1.0, (scenario.stop - scenario.start) / 100.0))
 
     @property
