@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from propermodel.analysis.activity import rank_activity
 from propermodel.cli.models import load_subject
 from propermodel.drawing.depict import depict
 from propermodel.report.certify import certify_study
@@ -39,6 +40,14 @@ def truck() -> ReductionStudy:
     return run_study(subject.model, replace(subject.scenario, stop=20.0), options)
 
 
+def _window(study: ReductionStudy) -> dict[str, object]:
+    """A ranking of the middle of a run, between instants that the page has too."""
+    times = study.full.integral_times
+    first, last = float(times[len(times) // 3]), float(times[2 * len(times) // 3])
+    ranking = rank_activity(study.full, window=(first, last))
+    return {"from": first, "to": last, "rows": [(str(row.path), row.activity) for row in ranking.rows]}
+
+
 def write(name: str, study: ReductionStudy) -> None:
     """One page with its expectations."""
     write_page(page_data(subject_of_study(study, certify_study(study).certificate)), FOLDER / f"{name}.html")
@@ -50,6 +59,7 @@ def write(name: str, study: ReductionStudy) -> None:
         "kept": [(threshold, len(study.ranking.kept_by(threshold))) for threshold in thresholds],
         "gone": {str(node.path): node.gone.sign for node in picture.nodes if node.gone is not None},
         "outputs": [str(path) for path in study.compared],
+        "window": _window(study),
     }
     (FOLDER / f"{name}.json").write_text(json.dumps(expected), encoding="utf-8")
 

@@ -14,6 +14,7 @@ interface Expected {
   readonly kept: readonly (readonly [number, number])[];
   readonly gone: Readonly<Record<string, string>>;
   readonly outputs: readonly string[];
+  readonly window: { readonly from: number; readonly to: number; readonly rows: readonly (readonly [string, number])[] };
 }
 
 const FOLDER = new URL("../../out/browser/", import.meta.url);
@@ -112,7 +113,7 @@ describe.each(["quarter_car", "truck"])("%s", (name) => {
       const kept = await page.evaluate((value) => {
         location.hash = `#shown=threshold&threshold=${value}`;
         return new Promise<number>((resolve) =>
-          setTimeout(() => resolve(Number(document.querySelector<HTMLElement>("output")?.dataset.kept)), 30),
+          setTimeout(() => resolve(Number(document.querySelector<HTMLElement>("output[data-kept]")?.dataset.kept)), 30),
         );
       }, threshold);
       found.push([threshold, kept]);
@@ -120,8 +121,31 @@ describe.each(["quarter_car", "truck"])("%s", (name) => {
     expect(found).toEqual(expected.kept);
   });
 
+  test("a window is ranked as Python ranks it", async () => {
+    const { from, to, rows } = expected.window;
+    await page.evaluate((hash) => (location.hash = hash), `#from=${from}&to=${to}`);
+    await page.waitForFunction(() => !document.querySelector<HTMLButtonElement>(".window button")?.disabled);
+    const found = await page.evaluate(() =>
+      [...document.querySelectorAll("tbody tr[data-row]")].map((row) => [
+        (row as HTMLElement).dataset.row,
+        Number((row as HTMLElement).dataset.activity),
+      ]),
+    );
+    expect(found.map(([path]) => path)).toEqual(rows.map(([path]) => path));
+    found.forEach(([, activity], i) => expect(activity).toBeCloseTo((rows[i] as [string, number])[1], 6));
+    await page.locator(".window button").click();
+  });
+
+  test("an element shows effort, flow and power at its ports, and its activity", async () => {
+    await page.locator("tbody button").first().click();
+    await page.waitForSelector(".histories .u-title");
+    const titles = (await page.locator(".histories .u-title").allTextContents()).map((title) => title.split(" ")[0]);
+    expect(titles.slice(0, 3)).toEqual(["effort", "flow", "power"]);
+    expect(titles.at(-1)).toBe("activity");
+  });
+
   test("arrow keys move one element at a time", async () => {
-    const count = async (): Promise<number> => Number(await page.locator("output").getAttribute("data-kept"));
+    const count = async (): Promise<number> => Number(await page.locator("output[data-kept]").getAttribute("data-kept"));
     await page.evaluate(() => (location.hash = "#shown=threshold&threshold=0.9"));
     await page.locator("#threshold").focus();
     const before = await count();

@@ -32,3 +32,8 @@ def packed(values: FloatArray) -> str:
         narrow = np.asarray(values, dtype="<f4")
     narrow[~np.isfinite(narrow)] = np.nan
     return base64.b64encode(narrow.tobytes()).decode("ascii")
+
+
+def exactly_packed(values: FloatArray) -> str:
+    """Values as base64 of little-endian float64."""
+    return base64.b64encode(np.asarray(values, dtype="<f8").tobytes()).decode("ascii")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,7 +22,7 @@ from propermodel.reduction.candidates import ProperModelSearch
 from propermodel.reduction.certificate import Certificate
 from propermodel.reduction.certify import CertifiedModel
 from propermodel.reduction.fitting import fitting_scenario
-from propermodel.report.buckets import extremes, packed
+from propermodel.report.buckets import exactly_packed, extremes, packed
 from propermodel.report.panels import Panel, Series
 from propermodel.report.study import ReductionStudy
 from propermodel.report.summary import removal_text
@@ -34,6 +34,8 @@ from propermodel.simulation.trajectory import Trajectory
 FORMAT = "propermodel report"
 VERSION = 1
 INTERVALS = 1000  # of each signal
+SHORT_INTERVALS = 200  # of the histories of single elements
+WINDOWS = 220  # instants between which activities can be ranked anew
 USUAL_THRESHOLD = 0.99  # where none was used
 
 Json = Any
@@ -172,6 +174,8 @@ def page_data(subject: PageSubject) -> Json:
         "outputs": [_output(error) for error in compare(full, subject.reduced, subject.outputs).outputs],
         "balances": {"full": _balance(energy_balance(full)), "reduced": _balance(energy_balance(subject.reduced))},
         "signals": _signals(subject),
+        "windows": _windows(subject),
+        "histories": _histories(subject),
         "tried": None if subject.search is None else _tried(subject.search),
         "made": _made(subject),
         "certificate": str(subject.certificate).splitlines(),
@@ -255,6 +259,47 @@ def _signals(subject: PageSubject) -> Json:
 
 def _reduced(run: Trajectory, path: Path, factor: float, edges: FloatArray) -> str | None:
     return packed(extremes(run.time, run[path] * factor, edges)) if path in run else None
+
+
+def _windows(subject: PageSubject) -> Json:
+    """The activity of every row since the start, at some instants at which it was kept, J."""
+    full = subject.full
+    count = len(full.integral_times)
+    places = np.unique(np.linspace(0, count - 1, min(count, WINDOWS + 1)).round().astype(int))
+    return {
+        "times": exactly_packed(full.integral_times[places]),
+        "rows": {
+            str(row.path): exactly_packed(full.kept_activity(_entry(row.path, row.bonds))[places])
+            for row in full.compiled.system.rows
+        },
+    }
+
+
+def _entry(row: Path, bonds: Collection[Path]) -> Path:
+    """Under which path the power of a row is integrated: a group and a field have an integral of their own."""
+    return row if len(bonds) > 1 else next(iter(bonds))
+
+
+def _histories(subject: PageSubject) -> Json:
+    """Effort and flow at the ports of every row, in few intervals."""
+    full = subject.full
+    edges = np.linspace(float(full.time[0]), float(full.time[-1]), SHORT_INTERVALS + 1)
+    middles = 0.5 * (edges[:-1] + edges[1:])
+    rows: dict[str, list[Json]] = {}
+    for row in full.compiled.system.rows:
+        for bond in row.bonds:
+            effort, flow = bond / "effort", bond / "flow"
+            if effort in full and flow in full:
+                rows.setdefault(str(row.path), []).append(
+                    {
+                        "bond": str(bond),
+                        "units": [full.unit(effort), full.unit(flow)],
+                        "effort": packed(extremes(full.time, full[effort], edges)),
+                        "flow": packed(extremes(full.time, full[flow], edges)),
+                        "power": packed(extremes(full.time, full[effort] * full[flow], edges)),
+                    }
+                )
+    return {"times": packed(np.column_stack([edges[:-1], middles]).ravel()), "rows": rows}
 
 
 def _made(subject: PageSubject) -> list[Json]:

@@ -48,6 +48,15 @@ export interface BalanceData {
   readonly sources: readonly { readonly path: string; readonly work: number }[];
 }
 
+/** Effort, flow and power at a port of an element: least and greatest value in every interval, in turn. */
+export interface History {
+  readonly bond: string;
+  readonly units: readonly [string, string];
+  readonly effort: string;
+  readonly flow: string;
+  readonly power: string;
+}
+
 /** A model that a search has tried. */
 export interface Tried {
   readonly rows: number; // that stay
@@ -73,6 +82,9 @@ export interface StudyData {
   readonly outputs: readonly OutputRow[];
   readonly balances: { readonly full: BalanceData; readonly reduced: BalanceData };
   readonly signals: { readonly times: string; readonly items: readonly SignalData[] };
+  /** The activity of every row since the start, at some instants: little-endian float64, base64. */
+  readonly windows: { readonly times: string; readonly rows: Readonly<Record<string, string>> };
+  readonly histories: { readonly times: string; readonly rows: Readonly<Record<string, readonly History[]>> };
   readonly tried: readonly Tried[] | null;
   readonly made: readonly { readonly name: string; readonly value: string }[];
   readonly certificate: readonly string[]; // lines of its text
@@ -95,4 +107,30 @@ export function keptBy(rows: readonly RankedRow[], threshold: number): number {
     share = row.cumulative;
   }
   return kept;
+}
+
+/** The numbers in a text of little-endian float64 values. */
+export function exactNumbers(text: string): Float64Array {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Float64Array(bytes.buffer);
+}
+
+/** The rows ranked by what they did between two instants, equal ones by their path (`rank_activity` with a window). */
+export function rankedWithin(
+  rows: readonly RankedRow[],
+  activities: ReadonlyMap<string, Float64Array>,
+  first: number,
+  last: number,
+): RankedRow[] {
+  const found = rows.map((row) => {
+    const column = activities.get(row.path);
+    return { ...row, activity: column === undefined ? 0 : (column[last] ?? 0) - (column[first] ?? 0) };
+  });
+  found.sort((a, b) => b.activity - a.activity || (a.path < b.path ? -1 : 1));
+  const total = found.reduce((sum, row) => sum + row.activity, 0);
+  let sum = 0;
+  return found.map((row) => {
+    sum += row.activity;
+    return { ...row, index: total > 0 ? row.activity / total : 0, cumulative: total > 0 ? sum / total : 0 };
+  });
 }

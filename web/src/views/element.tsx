@@ -1,6 +1,7 @@
 /** What is known of the chosen element. */
 
 import { percent, significant } from "./format.ts";
+import { HistoryView } from "./history.tsx";
 import type { State } from "./state.ts";
 
 export function Element({ state }: { state: State }) {
@@ -9,8 +10,8 @@ export function Element({ state }: { state: State }) {
   if (selected === null || node === undefined) {
     return <p class="hint">Click an element to see what is known of it, a frame to close it, a box to open it.</p>;
   }
-  const rank = state.data.rows.findIndex((row) => row.path === node.row);
-  const row = state.data.rows[rank];
+  const rank = state.rows.value.findIndex((row) => row.path === node.row);
+  const row = state.rows.value[rank];
   const bonds = state.data.picture.bonds.filter((bond) => bond.tail === node.path || bond.head === node.path);
   const signals = state.data.picture.signals.filter((signal) => signal.to === node.path);
   return (
@@ -20,7 +21,7 @@ export function Element({ state }: { state: State }) {
       </h3>
       {row !== undefined && (
         <p>
-          Rank {rank + 1} of {state.data.rows.length}: {significant(row.activity, "J")}, {percent(row.index, 3)} of all activity.{" "}
+          Rank {rank + 1} of {state.rows.value.length}: {significant(row.activity, "J")}, {percent(row.index, 3)} of all activity.{" "}
           <b class={row.verdict}>{row.verdict}</b>
           {row.meaning === "" ? "" : `, ${row.meaning}`}: {row.reason}
         </p>
@@ -29,6 +30,7 @@ export function Element({ state }: { state: State }) {
       <p>
         {bonds.map((bond) => `${bond.name} (${bond.domain}${bond.causality === "dependent" ? ", dependent" : ""})`).join(", ")}
       </p>
+      {row !== undefined && <HistoryView state={state} row={row.path} />}
       {signals.length > 0 && <p>Has information from {signals.map((signal) => signal.from).join(", ")}.</p>}
     </div>
   );

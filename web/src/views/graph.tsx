@@ -17,7 +17,12 @@ export function GraphView({ state, placer }: { state: State; placer: Placer }) {
   const bare = withoutRemovals(state.data.picture);
   const turn = useRef(0);
 
-  const pictureNow = (): Picture => (state.shown.value === "reduction" ? state.data.picture : bare);
+  const pictureNow = (): Picture => {
+    const picture = state.shown.value === "reduction" ? state.data.picture : bare;
+    if (state.window.value === null || picture.activity === undefined) return picture;
+    const rows = Object.fromEntries(state.rows.value.map((row) => [row.path, row.index]));
+    return { ...picture, activity: { ...picture.activity, rows } };
+  };
 
   useSignalEffect(() => {
     const open = state.open.value;
@@ -98,7 +103,7 @@ export function GraphView({ state, placer }: { state: State; placer: Placer }) {
 }
 
 function rowsBelow(state: State): Set<string> {
-  return new Set(state.data.rows.slice(state.kept.value).map((row) => row.path));
+  return new Set(state.rows.value.slice(state.kept.value).map((row) => row.path));
 }
 
 /** The picture as if nothing had been removed. */

@@ -7,10 +7,17 @@ import type { State } from "./state.ts";
 
 const HEIGHT = 150;
 
-interface Lane {
+/** A signal with its columns unpacked. */
+export interface Columns extends Omit<SignalData, "full" | "reduced"> {
+  readonly full: ArrayLike<number>;
+  readonly reduced: ArrayLike<number> | null;
+}
+
+/** What is drawn above one another on one scale. */
+export interface Lane {
   readonly title: string;
   readonly unit: string;
-  readonly items: readonly SignalData[];
+  readonly items: readonly Columns[];
 }
 
 export function LanesView({ state }: { state: State }) {
@@ -27,16 +34,16 @@ export function LanesView({ state }: { state: State }) {
 }
 
 function lanesOf(data: StudyData): Lane[] {
-  const found = new Map<string, { title: string; unit: string; items: SignalData[] }>();
+  const found = new Map<string, { title: string; unit: string; items: Columns[] }>();
   for (const item of data.signals.items) {
     const lane = found.get(item.panel) ?? { title: item.panel, unit: item.unit, items: [] };
-    lane.items.push(item);
+    lane.items.push({ ...item, full: numbers(item.full), reduced: item.reduced === null ? null : numbers(item.reduced) });
     found.set(item.panel, lane);
   }
   return [...found.values()];
 }
 
-function LanePlot({ lane, times, state }: { lane: Lane; times: Float32Array; state: State }) {
+export function LanePlot({ lane, times, state }: { lane: Lane; times: ArrayLike<number>; state: State }) {
   const place = useRef<HTMLDivElement>(null);
   const theme = state.theme.value;
   useEffect(() => {
@@ -53,10 +60,10 @@ function LanePlot({ lane, times, state }: { lane: Lane; times: Float32Array; sta
       const name = item.label;
       const value = (_: uPlot, v: number | null): string => (v === null ? "–" : `${Number(v.toPrecision(5))} ${item.unit}`);
       series.push({ label: name, stroke, width: 1.4, value, points: { show: false } });
-      columns.push(numbers(item.full));
+      columns.push(item.full);
       if (item.reduced !== null) {
         series.push({ label: `${name}, reduced`, stroke, width: 1.4, dash: [6, 4], value, points: { show: false } });
-        columns.push(numbers(item.reduced));
+        columns.push(item.reduced);
       }
     });
     const plot = new uPlot(

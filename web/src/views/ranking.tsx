@@ -14,7 +14,8 @@ const TOP = 12;
 const BOTTOM = 24;
 
 export function RankingView({ state }: { state: State }) {
-  const { rows, totalActivity } = state.data;
+  const rows = state.rows.value;
+  const total = rows.reduce((sum, row) => sum + row.activity, 0);
   const kept = state.kept.value;
   const share = kept === 0 ? 0 : (rows[kept - 1]?.cumulative ?? 0);
   return (
@@ -33,11 +34,34 @@ export function RankingView({ state }: { state: State }) {
         />
         <output for="threshold" data-kept={kept}>
           {percent(state.threshold.value, 2)} keeps {kept} of {rows.length} elements, {percent(share, 2)} of{" "}
-          {significant(totalActivity, "J")}
+          {significant(total, "J")}
         </output>
       </div>
+      <Window state={state} />
       <Bars state={state} />
       <Table state={state} />
+    </div>
+  );
+}
+
+/** The part of the run that is ranked: a short manoeuvre must not be lost in a long mission. */
+function Window({ state }: { state: State }) {
+  const last = state.times.length - 1;
+  const [from, to] = state.window.value ?? [0, last];
+  const time = (place: number): string => `${Number((state.times[place] ?? 0).toPrecision(6))} s`;
+  const move = (first: number, second: number): void => {
+    state.window.value = first === 0 && second === last ? null : [Math.min(first, second - 1), Math.max(second, first + 1)];
+  };
+  return (
+    <div class="tools window">
+      <label for="from">ranked from</label>
+      <input id="from" type="range" min="0" max={last - 1} value={from} onInput={(event) => move(Number(event.currentTarget.value), Math.max(to, Number(event.currentTarget.value) + 1))} />
+      <label for="to">to</label>
+      <input id="to" type="range" min="1" max={last} value={to} onInput={(event) => move(Math.min(from, Number(event.currentTarget.value) - 1), Number(event.currentTarget.value))} />
+      <output for="from to">
+        {time(from)} to {time(to)}
+      </output>
+      <button type="button" disabled={state.window.value === null} onClick={() => (state.window.value = null)}>whole run</button>
     </div>
   );
 }
@@ -56,7 +80,7 @@ function step(event: KeyboardEvent, state: State): void {
   const by = event.key === "ArrowRight" || event.key === "ArrowUp" ? 1 : event.key === "ArrowLeft" || event.key === "ArrowDown" ? -1 : 0;
   if (by === 0) return;
   event.preventDefault();
-  const rows = state.data.rows;
+  const rows = state.rows.value;
   // Rows without activity of their own cannot be told apart by a threshold, and are passed over together.
   for (let wanted = state.kept.value + by; wanted >= 0 && wanted <= rows.length; wanted += by) {
     const threshold = wanted === 0 ? 0 : wanted === rows.length ? 1 : (rows[wanted - 1]?.cumulative ?? 1);
@@ -68,7 +92,7 @@ function step(event: KeyboardEvent, state: State): void {
 
 function Bars({ state }: { state: State }) {
   const svg = useRef<SVGSVGElement>(null);
-  const rows = state.data.rows;
+  const rows = state.rows.value;
   const kept = state.kept.value;
   const wide = (WIDTH - LEFT - RIGHT) / Math.max(1, rows.length);
   const high = HEIGHT - TOP - BOTTOM;
@@ -140,9 +164,11 @@ function Table({ state }: { state: State }) {
           </tr>
         </thead>
         <tbody>
-          {state.data.rows.map((row, i) => (
+          {state.rows.value.map((row, i) => (
             <tr
               key={row.path}
+              data-row={row.path}
+              data-activity={row.activity}
               class={`${i < kept ? "" : "below"} ${state.selected.value === row.path ? "chosen" : ""}`}
               onClick={() => choose(state, row.path)}
             >

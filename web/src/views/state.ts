@@ -3,7 +3,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { openTo } from "../graph/fold.ts";
 import type { Theme } from "../graph/notation.ts";
-import { keptBy, type StudyData } from "./data.ts";
+import { exactNumbers, keptBy, rankedWithin, type StudyData } from "./data.ts";
 
 /** What fills and dashes of the graph show: what the threshold would keep, or the reduction that was made. */
 export type Shown = "threshold" | "reduction";
@@ -14,12 +14,22 @@ export class State {
   readonly open;
   readonly shown = signal<Shown>("reduction");
   readonly theme = signal<Theme>(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  /** The part of the run that is ranked, as places among the instants at which activity was kept. */
+  readonly window = signal<readonly [number, number] | null>(null);
+  readonly times: Float64Array;
+  readonly rows;
   readonly kept;
 
   constructor(readonly data: StudyData) {
     this.threshold = signal(data.threshold);
     this.open = signal<ReadonlySet<string>>(openTo(data.picture, 1));
-    this.kept = computed(() => keptBy(data.rows, this.threshold.value));
+    this.times = exactNumbers(data.windows.times);
+    const activities = new Map(Object.entries(data.windows.rows).map(([path, text]) => [path, exactNumbers(text)]));
+    this.rows = computed(() => {
+      const window = this.window.value;
+      return window === null ? data.rows : rankedWithin(data.rows, activities, ...window);
+    });
+    this.kept = computed(() => keptBy(this.rows.value, this.threshold.value));
     this.read();
     effect(() => this.write());
     addEventListener("hashchange", () => this.read());
@@ -48,12 +58,27 @@ export class State {
     if (open.size !== this.open.value.size) this.open.value = open;
   }
 
+  /** The instant next to a time. */
+  private placeOf(time: number): number {
+    let best = 0;
+    this.times.forEach((at, i) => {
+      if (Math.abs(at - time) < Math.abs((this.times[best] ?? 0) - time)) best = i;
+    });
+    return best;
+  }
+
   private read(): void {
     const words = new URLSearchParams(location.hash.slice(1));
     const threshold = Number(words.get("threshold"));
     if (words.has("threshold") && threshold >= 0 && threshold <= 1) this.threshold.value = threshold;
     if (words.get("shown") === "threshold" || words.get("shown") === "reduction") {
       this.shown.value = words.get("shown") as Shown;
+    }
+    const from = words.get("from");
+    const to = words.get("to");
+    if (from !== null && to !== null) {
+      const [first, last] = [this.placeOf(Number(from)), this.placeOf(Number(to))];
+      if (first < last) this.window.value = [first, last];
     }
     if (words.has("selected")) this.selected.value = words.get("selected");
     const open = words.get("open");
@@ -67,6 +92,11 @@ export class State {
     const words = new URLSearchParams();
     if (this.threshold.value !== this.data.threshold) words.set("threshold", String(this.threshold.value));
     if (this.shown.value !== "reduction") words.set("shown", this.shown.value);
+    const window = this.window.value;
+    if (window !== null) {
+      words.set("from", String(this.times[window[0]]));
+      words.set("to", String(this.times[window[1]]));
+    }
     if (this.selected.value !== null) words.set("selected", this.selected.value);
     const usual = openTo(this.data.picture, 1);
     const open = this.open.value;
