@@ -48,6 +48,7 @@ from propermodel.modelling import (
     Input,
     KinematicTransformer,
     Limits,
+    Merge,
     Model,
     MultiportCompliance,
     MultiportInertia,
@@ -118,6 +119,7 @@ if TYPE_CHECKING:
     from propermodel.reduction.certificate import Certificate
     from propermodel.reduction.certificate_files import read_certificate, write_certificate
     from propermodel.reduction.certify import CertifiedModel, certify
+    from propermodel.reduction.merges import MergedElement, find_merges
     from propermodel.reduction.methods.compare import MethodComparison, compare_methods
     from propermodel.reduction.methods.curve import Curve
     from propermodel.reduction.methods.workbench import SizedModel
@@ -164,6 +166,8 @@ _WHEN_USED = {
     "ReductionStudy": "report.study",
     "Sensitivities": "analysis.sensitivities",
     "SingularRemovals": "reduction.singular",
+    "MergedElement": "reduction.merges",
+    "find_merges": "reduction.merges",
     "Partition": "reduction.partition",
     "partition": "reduction.partition",
     "PartRuns": "reduction.part_runs",
@@ -360,6 +364,8 @@ __all__ = [
     "Reduction",
     "explain_removals",
     "SingularRemovals",
+    "find_merges",
+    "MergedElement",
     "partition",
     "Partition",
     "part_model",
@@ -372,6 +378,7 @@ __all__ = [
     "ConstantFlow",
     "Cut",
     "Prescribe",
+    "Merge",
     "Freeze",
     "compare",
     "Comparison",

@@ -564,6 +564,13 @@ CASES = (
         cure="did you mean 'body.flange.flow'?",
     ),
     Case(
+        code="reduction/merge",
+        run=lambda: without(pm.Merge(SPRING, pm.Path(("body", "flange")))),
+        names=("suspension.spring.port", "body.flange"),
+        at="spring",
+        cure="find_merges",
+    ),
+    Case(
         code="reduction/part-signals",
         run=part_that_listens,
         names=("part 2", "mass"),

@@ -98,6 +98,7 @@ def flatten(model: Model) -> BondGraph:
         discretes=tuple(walk.discretes),
         activated=tuple(bond for bond in walk.activated if bond.given in normal.bonds),
         events=tuple(event for event in walk.events if _still_happens(event, original, normal)),
+        merged=dict(net.merged),
     )
 
 

@@ -170,6 +170,16 @@ class NodePort:
     domain: str
 
 
+@dataclass(frozen=True, slots=True)
+class Absorbed:
+    """An element that another one stands for: its own parameter, and the factor of the variable that they share."""
+
+    merged: Path  # the element that stands for it
+    kind: JunctionKind
+    coefficient: Expr
+    factor: Expr
+
+
 @dataclass(frozen=True, kw_only=True)
 class BondGraph:
     """A flattened model in normal form, with the structure it had before simplification.
@@ -194,6 +204,7 @@ class BondGraph:
     discretes: tuple[tuple[Expr, Expr], ...] = ()  # held values that events change, and their starts
     events: tuple[FlatEvent, ...] = ()
     activated: tuple[ActivatedBond, ...] = ()
+    merged: Mapping[Path, Absorbed] = field(default_factory=dict[Path, Absorbed])  # bonds that another stands for
 
     @property
     def activated_sources(self) -> Mapping[Path, ActivatedBond]:

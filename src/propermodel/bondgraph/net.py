@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from propermodel.bondgraph.graph import Bond, Element, End, Junction, Structure
+from propermodel.bondgraph.graph import Absorbed, Bond, Element, End, Junction, Structure
 from propermodel.diagnostics import Path
 from propermodel.modelling.model import Variable
 
@@ -19,6 +19,7 @@ class Net:
         self.bonds: dict[Path, Bond] = {}
         self.incident: dict[Path, dict[Path, None]] = {p: {} for p in (*self.elements, *self.junctions)}
         self.known_zero: dict[Path, Variable] = {}
+        self.merged: dict[Path, Absorbed] = {}  # bonds of elements that another stands for
         self.probes: set[Path] = set()  # sources of nothing that keep a junction whose variable is read
         for bond in structure.bonds.values():
             self.add(bond)

@@ -6,11 +6,12 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from propermodel.bondgraph.graph import Bond, Element, End
+from propermodel.bondgraph.graph import Absorbed, Bond, Element, End
+from propermodel.bondgraph.merging import linear_one_port, merged_element, sharing
 from propermodel.bondgraph.net import Net
 from propermodel.bondgraph.simplify import Zero, normalise
 from propermodel.diagnostics import NO_SOURCE, Diagnostic, Faults, Path, ReductionError, one_of
-from propermodel.expressions.core import ZERO, Expr, SymbolKind, constant, symbol
+from propermodel.expressions.core import ONE, ZERO, Expr, SymbolKind, constant, symbol
 from propermodel.modelling.domains import DomainData
 from propermodel.modelling.model import (
     BondRemoval,
@@ -19,6 +20,7 @@ from propermodel.modelling.model import (
     Cut,
     ElementKind,
     Freeze,
+    Merge,
     PowerSource,
     Prescribe,
     Removal,
@@ -102,6 +104,10 @@ def _apply(
             case ConstantEffort() | ConstantFlow():
                 variable = Variable.EFFORT if isinstance(removal, ConstantEffort) else Variable.FLOW
                 _replace_by_source(net, bond, end, variable, constant(removal.value))
+            case Merge():
+                zero = _merge(net, bond, end, removal, faults)
+                if zero is not None:
+                    zeros.append(zero)
             case Cut():
                 if _can_be_driven(net, bond, end, removal.driven, faults):
                     _drive(net, domains, bond, removal.driven, None)
@@ -135,6 +141,40 @@ def _replace_by_source(net: Net, bond: Bond, end: End, variable: Variable, value
         else Bond(bond.name, here, bond.head, bond.domain)
     )
     net.add(new)
+
+
+def _merge(net: Net, bond: Bond, end: End, removal: Merge, faults: Faults) -> Zero | None:
+    """Let one element stand for the element at this bond and for that at another."""
+    structure = net.freeze()
+    known = net.merged.get(removal.into)
+    keeper = removal.into.parent if known is None else known.merged
+    one, other = linear_one_port(structure, keeper), linear_one_port(structure, end.owner)
+    factor = None
+    if one is not None and other is not None and one.element.kind is other.element.kind:
+        factor = dict(sharing(structure, one)).get(other.junction)
+    if one is None or other is None or factor is None or one.element is other.element:
+        faults.add(
+            Diagnostic(
+                "reduction/merge",
+                f"{bond.name} cannot be merged into {removal.into}",
+                source=net.elements[end.owner].source if end.owner in net.elements else NO_SOURCE,
+                help="both are linear one-ports of one kind at junctions that share a variable, or are joined by "
+                "transformers with constant moduli; pm.find_merges names such pairs",
+            )
+        )
+        return None
+    together = merged_element(one, other, factor)
+    if known is None:
+        net.merged[removal.into] = Absorbed(together.path, one.kind, one.coefficient, ONE)
+        (old,) = net.bonds_at(keeper)
+        net.drop_node(keeper)
+        net.incident[together.path] = {}
+        name, here = together.path / together.ports[0], End(together.path, together.ports[0])
+        is_head = old.head.owner == keeper
+        net.add(Bond(name, old.tail if is_head else here, here if is_head else old.head, old.domain))
+    net.elements[together.path] = together
+    net.merged[bond.name] = Absorbed(together.path, one.kind, other.coefficient, factor)
+    return bond.name, one.kind.common.other
 
 
 def _can_be_driven(net: Net, bond: Bond, end: End, driven: Variable, faults: Faults) -> bool:

@@ -29,6 +29,7 @@ from propermodel.modelling.model import (
     ConstantFlow,
     Cut,
     ElementKind,
+    Merge,
     Model,
     Prescribe,
     ZeroEffort,
@@ -237,6 +238,8 @@ def _sign(whole: BondGraph, removal: BondRemoval) -> tuple[Path, Gone]:
             gone = Gone("f = const", f"its flow is constant, {value:.6g}")
         case Cut(bond, driven):
             gone = Gone("one way", f"driven by the {driven}, without acting back")
+        case Merge(bond, into):
+            gone = Gone("merged", f"part of {into.parent}")
         case Prescribe(bond, driven):
             gone = Gone("input", f"driven by an input, its {driven}")
     found = whole.normal.bonds.get(bond) or whole.original.bonds[bond]

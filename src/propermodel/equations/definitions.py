@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from propermodel.bondgraph.graph import Bond, BondGraph, Element, End, Structure, Variables
+from propermodel.bondgraph.merging import linear_one_port, share_of
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.fields import Mixed
 from propermodel.causality.implicit import pair
@@ -387,8 +388,10 @@ def _recover(found: Definitions, graph: BondGraph, variables: Variables) -> None
     """Define the efforts and flows of original bonds that are not in the normal form, as far as they follow."""
     original = graph.original
     recovery = _Recovery(found, graph, variables)
+    _recover_merged(recovery, graph)
     for name, variable in graph.known_zero.items():
-        recovery.learn(original.bonds[name], variable, ZERO)
+        if name not in graph.merged:
+            recovery.learn(original.bonds[name], variable, ZERO)
     for name in original.bonds:
         if name in graph.normal.bonds:
             for variable in Variable:
@@ -399,6 +402,19 @@ def _recover(found: Definitions, graph: BondGraph, variables: Variables) -> None
             recovery.pending[element.path] = None
     recovery.run(original)
     _recover_storage(found, graph)
+
+
+def _recover_merged(recovery: _Recovery, graph: BondGraph) -> None:
+    """Give every merged element its share of what adds up, and the common variable in its own terms."""
+    for name, absorbed in graph.merged.items():
+        stands = linear_one_port(graph.normal, absorbed.merged)
+        if stands is None:
+            continue
+        bond, common = graph.original.bonds[name], absorbed.kind.common
+        whole = graph.normal.bonds[stands.element.path / stands.element.ports[0]]
+        recovery.learn(bond, common, absorbed.factor * recovery.variables.of(whole, common))
+        share = share_of(absorbed, stands.coefficient)
+        recovery.learn(bond, common.other, share * recovery.variables.of(whole, common.other))
 
 
 class _Recovery:

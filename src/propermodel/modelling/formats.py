@@ -20,6 +20,7 @@ from propermodel.modelling.model import (
     Freeze,
     HalfArrow,
     JunctionKind,
+    Merge,
     Node,
     Opening,
     OpenPort,
@@ -164,6 +165,7 @@ REMOVAL = tagged(
     constant_flow=(ConstantFlow, record(ConstantFlow, bond=PATH, value=FINITE)),
     cut=(Cut, record(Cut, bond=PATH, driven=VARIABLE)),
     prescribe=(Prescribe, record(Prescribe, bond=PATH, driven=VARIABLE)),
+    merge=(Merge, record(Merge, bond=PATH, into=PATH)),
     freeze=(Freeze, record(Freeze, signal=PATH, value=FINITE)),
 )
 DOMAIN = record(

@@ -392,6 +392,14 @@ class Prescribe:
 
 
 @dataclass(frozen=True, slots=True)
+class Merge:
+    """The linear element at the bond is merged into the one at another, with which it shares a variable; exact."""
+
+    bond: Path
+    into: Path
+
+
+@dataclass(frozen=True, slots=True)
 class Freeze:
     """The signal keeps a constant value."""
 
@@ -399,8 +407,8 @@ class Freeze:
     value: float
 
 
-Removal = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Prescribe | Freeze
-BondRemoval = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Prescribe
+Removal = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Prescribe | Merge | Freeze
+BondRemoval = ZeroEffort | ZeroFlow | ConstantEffort | ConstantFlow | Cut | Prescribe | Merge
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from propermodel.modelling.model import (
     ConstantFlow,
     Cut,
     Freeze,
+    Merge,
     Prescribe,
     Removal,
     ZeroEffort,
@@ -27,6 +28,8 @@ def removal_text(removal: Removal) -> str:
             return f"constant flow {value:.6g} at {bond}"
         case Cut(bond, driven):
             return f"one-way cut at {bond}, which receives the {driven}"
+        case Merge(bond, into):
+            return f"{bond} merged into {into}"
         case Prescribe(bond, driven):
             return f"driven at {bond} by the input {bond}.{driven}"
         case Freeze(signal, value):

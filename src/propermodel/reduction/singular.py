@@ -22,6 +22,7 @@ from propermodel.modelling.model import (
     ConstantEffort,
     ConstantFlow,
     Freeze,
+    Merge,
     Model,
     Removal,
     ZeroEffort,
@@ -85,6 +86,8 @@ def meaning_of(removal: BondRemoval) -> str:
             return f"constant effort {removal.value:.6g}"
         case ConstantFlow():
             return f"constant flow {removal.value:.6g}"
+        case Merge():
+            return f"merged into {removal.into}"
         case _:
             return f"driven by its {removal.driven}"
 

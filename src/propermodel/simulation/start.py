@@ -273,7 +273,12 @@ def _initial_states(
     for path, value in scenario.initial.items():
         if path in states:
             found[path] = value
-        elif path in held or _at_port(compiled, path, value, parameters, found) or _is_removed(compiled, path):
+        elif (
+            path in held
+            or _at_port(compiled, path, value, parameters, found)
+            or _at_merged(compiled, path, value, parameters, found)
+            or _is_removed(compiled, path)
+        ):
             continue
         else:
             faults.add(
@@ -288,11 +293,22 @@ def _initial_states(
 
 def _is_removed(compiled: CompiledModel, path: Path) -> bool:
     """Whether a path leads to an element that only the model without removals has."""
-    if not compiled.model.removals:
+    merged = compiled.graph.merged
+    if not compiled.model.removals or any(path.parent in (name, name.parent) for name in merged):
         return False
     full = flatten(replace(compiled.model, removals=())).normal.elements
     owners = [Path(path[:length]) for length in range(1, len(path))]
     return any(owner in full and owner not in compiled.graph.normal.elements for owner in owners)
+
+
+def _at_merged(compiled: CompiledModel, path: Path, value: float, parameters: Values, found: dict[Path, float]) -> bool:
+    """Whether a path is the variable that merged elements share: it is the start of the element that stands for all."""
+    absorbed = compiled.graph.merged.get(path.parent)
+    if absorbed is None or path.name != absorbed.kind.common.value:
+        return False
+    port = compiled.graph.normal.elements[absorbed.merged].ports[0]
+    own = value / interpret(absorbed.factor, parameters)
+    return _at_port(compiled, absorbed.merged / port / path.name, own, parameters, found)
 
 
 def _at_port(compiled: CompiledModel, path: Path, value: float, parameters: Values, found: dict[Path, float]) -> bool:
