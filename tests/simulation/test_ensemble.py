@@ -245,3 +245,57 @@ def test_a_scenario_that_does_not_fit_is_refused_before_its_turn(oscillator: pm.
     with pytest.raises(SimulationError, match="lies outside"):
         pm.simulate_many(oscillator, pm.designs(SCENARIO, {"spring.stiffness": [50.0, -1.0]}), step=1e-3)
     assert threading.active_count() < 20
+
+
+@pytest.mark.parametrize("record_every", [0.3, math.inf])
+@pytest.mark.parametrize("method", [pm.Method.RK4, pm.Method.ROS2, pm.Method.RODAS])
+def test_extremes_of_designs_are_those_of_their_runs(
+    oscillator: pm.CompiledModel, method: pm.Method, record_every: float
+):
+    scenarios = pm.designs(SCENARIO, {"spring.stiffness": STIFFNESS})
+    options = {"method": method, "step": 1e-3, "record": ["mass.flange.flow"], "record_extremes": True}
+    runs = pm.simulate_many(oscillator, scenarios, record_every=record_every, **options)  # type: ignore[arg-type]
+    seen = runs.extremes("mass.flange.flow")
+    assert seen.least.shape == (11, len(seen.time)) == (11, 7 if record_every < 1.0 else 1)
+    for i in (0, 5, 10):
+        period = min(record_every, 2.0)
+        alone = pm.simulate(oscillator, scenarios[i], record_every=period, integrals_every=2.0, **options)  # type: ignore[arg-type]
+        own = alone.extremes("mass.flange.flow")
+        assert (own.time == seen.time).all()
+        assert (own.least == seen.least[i]).all()
+        assert (own.greatest == seen.greatest[i]).all()
+    assert (seen.least < runs["mass.flange.flow"].min()).any()
+    data = runs.to_xarray()
+    assert (data["greatest mass.flange.flow"].to_numpy() == seen.greatest).all()
+    with pytest.raises(SimulationError, match=r"extremes of 'mass\.flange\.flow' were not recorded in these runs"):
+        pm.simulate_many(oscillator, scenarios[:1], step=1e-3).extremes("mass.flange.flow")
+
+
+def test_extremes_of_designs_with_events_join_what_is_between_their_rows():
+    compiled = pm.compile_model(pm.elaborate(Bouncing()))
+    scenarios = pm.designs(pm.Scenario(stop=2.0), {"floor.restitution": [0.5, 0.8]})
+    options = {"step": 1e-3, "record": ["ball.flange.flow"], "record_extremes": True}
+    for record_every in (0.5, math.inf):
+        runs = pm.simulate_many(compiled, scenarios, record_every=record_every, **options)  # type: ignore[arg-type]
+        seen = runs.extremes("ball.flange.flow")
+        for i, scenario in enumerate(scenarios):
+            every = pm.simulate(compiled, scenario, step=1e-3, record_every=1e-3)
+            for k, (begin, end) in enumerate(zip(seen.time, [*seen.time[1:], 2.0], strict=True)):
+                inside = (every.time >= begin - 1e-9) & (every.time <= end + 1e-9)
+                values = every["ball.flange.flow"][inside]
+                assert seen.least[i, k] == pytest.approx(values.min(), rel=1e-9)
+                assert seen.greatest[i, k] == pytest.approx(values.max(), rel=1e-9)
+
+
+def test_extremes_of_a_design_that_fails_end_with_it(oscillator: pm.CompiledModel):
+    """A step that is too long for the second design: its numbers grow beyond all bounds."""
+    scenarios = pm.designs(SCENARIO, {"spring.stiffness": [20.0, 4e9, 80.0]})
+    runs = pm.simulate_many(
+        oscillator, scenarios, step=1e-3, record=["mass.flange.flow"], record_every=0.2, record_extremes=True
+    )
+    assert runs.failed == (1,)
+    seen = runs.extremes("mass.flange.flow")
+    ends = seen.time + 0.2
+    failed = runs.endings[1].time
+    assert np.isnan(seen.least[1, ends > failed + 1e-9]).all()
+    assert np.isfinite(seen.least[[0, 2]]).all()

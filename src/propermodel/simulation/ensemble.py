@@ -26,6 +26,7 @@ from propermodel.modelling.model import Scenario
 from propermodel.simulation.finite import faults_of_settings
 from propermodel.simulation.groups import NO_ROWS, Settings, groups
 from propermodel.simulation.observables import observable_path
+from propermodel.simulation.overview import Overview
 from propermodel.simulation.recovery import integral_of, start_of
 from propermodel.simulation.side_by_side import LaneResults
 from propermodel.simulation.simulate import selected_entries
@@ -48,6 +49,9 @@ class Ensemble:
     lanes: int
     time: FloatArray  # instants of the recorded rows
     rows: FloatArray  # designs x instants x recorded
+    begins: FloatArray  # of the intervals between rows, the last one to the end; none where extremes are not asked for
+    least: FloatArray  # designs x intervals x recorded
+    greatest: FloatArray
     final: FloatArray  # designs x recorded
     recorded: Mapping[int, int]  # entry of the program's signals: column
     integrals: FloatArray  # designs x powers
@@ -77,6 +81,23 @@ class Ensemble:
         if integral_of(self.compiled, observable_path(observable)) is not None:
             return self[observable][:, -1]
         return self.final[:, self._column(observable)]
+
+    def extremes(self, observable: Expr | Path | str) -> Overview:
+        """The least and greatest values of a recorded observable, designs x intervals between rows.
+
+        Without `record_every` there is one interval, the whole run. They are not a number where a design has failed.
+
+        Raises:
+            SimulationError: the model has no such observable, or its extremes were not recorded.
+        """
+        column = self._column(observable)
+        if not self.begins.size:
+            raise SimulationError.of(
+                "simulation/not-recorded",
+                f"the extremes of '{observable_path(observable)}' were not recorded in these runs",
+                help="ask for them: simulate_many(..., record_extremes=True)",
+            )
+        return Overview(self.begins, self.least[:, :, column], self.greatest[:, :, column])
 
     def activity(self, entry: Path | str) -> FloatArray:
         """The integral of |power| of a bond or row, J, one for each design."""
@@ -116,6 +137,10 @@ class Ensemble:
             if self.time.size:
                 data[str(path)] = (("design", "time"), self[path], units)
             data[f"{path} at end"] = ("design", self.at_end(path), units)
+            if self.begins.size:
+                seen = self.extremes(path)
+                data[f"least {path}"] = (("design", "interval"), seen.least, units)
+                data[f"greatest {path}"] = (("design", "interval"), seen.greatest, units)
         powers = [index for index, power in enumerate(self.compiled.lowered.powers) if power.kind != "outside"]
         for name, values in (("work", self.integrals), ("activity", self.activities)):
             data[name] = (("design", "bond"), values[:, powers], {"units": "J"})
@@ -127,6 +152,8 @@ class Ensemble:
         }
         if self.time.size:
             coordinates["time"] = ("time", self.time, {"units": "s"})
+        if self.begins.size:
+            coordinates["interval"] = ("interval", self.begins, {"units": "s"})
         units = {p.path: p.unit for p in self.compiled.graph.parameters.values()}
         for path, values in self.parameters.items():
             coordinates[f"parameter {path}"] = ("design", values, {"units": units[path]})
@@ -203,6 +230,7 @@ def simulate_many(
     tolerance: float = DEFAULT_TOLERANCE,
     record: Iterable[Expr | Path | str] | None = None,
     record_every: float = NO_ROWS,
+    record_extremes: bool = False,
     lanes: int | None = None,
     threads: int | None = None,
     executor: Executor | None = None,
@@ -223,6 +251,8 @@ def simulate_many(
         tolerance: The error in one step as a share of each state, where the method controls its steps.
         record: Observables whose values are kept; by default all.
         record_every: Period of recording, s; by default only the values at the end are kept.
+        record_extremes: Whether the least and greatest values between two rows are kept, too, or those of the whole
+            run; they are looked for after every step: `ensemble.extremes(observable)`.
         lanes: How many designs run side by side; by default as many as a vector register of this machine holds.
         threads: How many groups run at once; by default one for each core.
         executor: Where groups run instead of in threads of this call, such as a `ProcessPoolExecutor`; `threads` then
@@ -258,7 +288,7 @@ def simulate_many(
     # Machines are made before threads ask for them.
     compiled.machine(method, 1 if len(every) == 1 else wide)
     build_s = time.perf_counter() - before
-    settings = Settings(compiled, stepping, record_every, selected, wide)
+    settings = Settings(compiled, stepping, record_every, selected, wide, record_extremes)
     before = time.perf_counter()
     answers = _Answers(len(every))
     workers = threads or os.cpu_count() or 1
@@ -302,6 +332,7 @@ class _Answers:
         self._endings: dict[int, Ending] = {}
         self._arrays: dict[str, FloatArray] = {}
         self._time: FloatArray = np.zeros(0)
+        self._begins: FloatArray = np.zeros(0)
 
     def take(
         self, waiting: dict[Future[LaneResults], tuple[int, ...]], progress: Callable[[int, int], None] | None
@@ -315,22 +346,19 @@ class _Answers:
                 progress(self._done, self._count)
 
     def _keep(self, numbers: Sequence[int], result: LaneResults) -> None:
-        for name in ("rows", "final", "integrals", "activities"):
+        for name in ("rows", "least", "greatest", "final", "integrals", "activities"):
             given: FloatArray = getattr(result, name)
-            if name not in self._arrays:
-                self._arrays[name] = np.full((self._count, *given.shape[1:]), np.nan)
+            kept = self._arrays.get(name, np.empty((self._count, 0, *given.shape[2:])))
             # A group that has failed as a whole has fewer rows.
-            kept = self._arrays[name]
-            if name == "rows" and given.shape[1] > kept.shape[1]:
-                kept = np.full((self._count, *given.shape[1:]), np.nan)
-                kept[:, : self._arrays[name].shape[1]] = self._arrays[name]
-                self._arrays[name] = kept
-            if name == "rows":
-                kept[list(numbers), : given.shape[1]] = given
-            else:
-                kept[list(numbers)] = given
+            if given.shape[1] > kept.shape[1]:
+                more = np.full((self._count, given.shape[1] - kept.shape[1], *given.shape[2:]), np.nan)
+                kept = np.concatenate((kept, more), axis=1)
+            kept[list(numbers), : given.shape[1]] = given
+            self._arrays[name] = kept
         if result.time.size > self._time.size:
             self._time = result.time
+        if result.begins.size > self._begins.size:
+            self._begins = result.begins
         self._endings.update(zip(numbers, result.endings, strict=True))
         self._done += len(numbers)
         self.steps += result.steps * len(numbers)
@@ -338,4 +366,4 @@ class _Answers:
     def arrays(self) -> dict[str, Any]:
         """Everything by name."""
         endings = tuple(self._endings[number] for number in range(self._count))
-        return {**self._arrays, "time": self._time, "endings": endings}
+        return {**self._arrays, "time": self._time, "begins": self._begins, "endings": endings}

@@ -28,6 +28,7 @@ from propermodel.simulation.simulate import simulate
 from propermodel.simulation.start import Start, start_of
 from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.table_store import TableStore
+from propermodel.simulation.trajectory import Trajectory
 
 NO_ROWS = float("inf")
 MOST_ROWS_AT_ONCE = 1024
@@ -60,6 +61,7 @@ class Settings:
     record_every: float
     selected: IntArray
     lanes: int
+    has_extremes: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,7 @@ class LaneJob:
             step=settings.stepping.longest(settings.record_every, self.stop - self.begin),
             row_period=settings.record_every,
             selected=settings.selected,
+            has_extremes=settings.has_extremes,
             most_rows=MOST_ROWS_AT_ONCE,
             jacobian_every=settings.stepping.jacobian_every,
             tolerance=settings.stepping.tolerance,
@@ -111,6 +114,7 @@ class EventJob:
             record_every=min(settings.record_every, scenario.stop - scenario.start),
             integrals_every=scenario.stop - scenario.start,
             start=self.start,
+            record_extremes=settings.has_extremes,
         )
         time: FloatArray = np.zeros(0)
         rows: FloatArray = np.zeros((0, settings.selected.size))
@@ -121,16 +125,41 @@ class EventJob:
             last = np.searchsorted(run.time, time + SAME_INSTANT * run.step, side="right") - 1
             order = [run.recorded[int(entry)] for entry in settings.selected]
             rows = np.where((time <= run.ending.time)[:, np.newaxis], run.columns[last][:, order], np.nan)
+        begins, least, greatest = self._extremes(run, time)
         end = np.nan if not run.ending.is_complete else 0.0
         return LaneResults(
             time=time,
             rows=rows[np.newaxis],
+            begins=begins,
+            least=least[np.newaxis],
+            greatest=greatest[np.newaxis],
             final=run.final_signals[np.newaxis, settings.selected] + end,
             integrals=run.memory.integral[np.newaxis] + end,
             activities=run.memory.activity[np.newaxis] + end,
             endings=(run.ending,),
             steps=run.statistics.steps,
         )
+
+    def _extremes(self, run: Trajectory, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The extremes between regular rows, those around events in them; of all of the run where there are no rows."""
+        count = self.settings.selected.size
+        if run.intervals is None:
+            return np.zeros(0), np.zeros((0, count)), np.zeros((0, count))
+        near = SAME_INSTANT * run.step
+        rows = time if time.size else np.array([self.scenario.start])
+        begins = rows[rows < self.scenario.stop - near]
+        places = np.searchsorted(run.intervals.times(), begins - near)
+        order = np.array([run.recorded[int(entry)] for entry in self.settings.selected], dtype=np.int64)
+        values = run.intervals.values()
+        is_over = np.append(begins[1:], self.scenario.stop) > run.ending.time + near
+        found: list[FloatArray] = []
+        for reduce, columns in ((np.fmin, order), (np.fmax, order + len(run.recorded))):
+            side = np.full((len(begins), count), np.nan)
+            inside = places < len(values)
+            side[inside] = reduce.reduceat(values[:, columns], places[inside], axis=0)
+            side[is_over] = np.nan
+            found.append(side)
+        return begins, found[0], found[1]
 
 
 def groups(compiled: CompiledModel, scenarios: Sequence[Scenario], lanes: int) -> Iterator[Group]:

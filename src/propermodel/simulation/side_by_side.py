@@ -21,6 +21,9 @@ class LaneResults:
 
     time: FloatArray
     rows: FloatArray  # runs x rows x selected
+    begins: FloatArray  # of the intervals between rows, the last one to the end; none where extremes are not asked for
+    least: FloatArray  # runs x intervals x selected
+    greatest: FloatArray
     final: FloatArray  # runs x selected
     integrals: FloatArray  # runs x powers
     activities: FloatArray
@@ -71,11 +74,13 @@ def run_together(
     endings: dict[int, Ending] = {}
     times: list[FloatArray] = []
     rows: list[FloatArray] = []
+    extremes: list[tuple[FloatArray, FloatArray]] = []
     while True:
         before = memory.copy()
         outcome = machine.run(memory, request)
         rows.append(_lanes(outcome.rows, machine.lanes)[:, :, :count])
         times.append(outcome.row_times)
+        extremes.append((outcome.least, outcome.greatest))
         for failure in outcome.failures:
             if failure.lane < count and failure.lane not in endings:
                 here, there = lane_of(memory, failure.lane), lane_of(before, failure.lane)
@@ -88,6 +93,10 @@ def run_together(
         final[...] = _lanes(machine.observe(memory), machine.lanes)[request.selected, :count].T
     time = np.concatenate(times)
     recorded = np.concatenate(rows).transpose(2, 0, 1)
+    if request.has_extremes and time.size and memory.time > time[-1]:
+        extremes.append((memory.least[np.newaxis], memory.greatest[np.newaxis]))
+    least, greatest = (_of_runs(parts, machine.lanes, count) for parts in zip(*extremes, strict=True))
+    begins, ends = time[: least.shape[1]], np.append(time[1:], memory.time)[: least.shape[1]]
     integrals, activities = (
         _lanes(kept, machine.lanes)[:, :count].T.copy() for kept in (memory.integral, memory.activity)
     )
@@ -97,11 +106,16 @@ def run_together(
             endings[lane] = overflow_ending(compiled, overflow, lane_of(memory, lane))
         if lane in endings:
             recorded[lane, time > endings[lane].time] = np.nan
+            least[lane, ends > endings[lane].time] = np.nan
+            greatest[lane, ends > endings[lane].time] = np.nan
             final[lane], integrals[lane], activities[lane] = np.nan, np.nan, np.nan
     done = Ending(RunStatus.COMPLETED, f"completed to {memory.time:.6g} s", memory.time)
     return LaneResults(
         time=time,
         rows=recorded,
+        begins=begins,
+        least=least,
+        greatest=greatest,
         final=final,
         integrals=integrals,
         activities=activities,
@@ -113,3 +127,10 @@ def run_together(
 def _lanes(values: FloatArray, lanes: int) -> FloatArray:
     """With an axis of lanes, last, also where there is one."""
     return values[..., np.newaxis] if lanes == 1 else values
+
+
+def _of_runs(parts: Sequence[FloatArray], lanes: int, count: int) -> FloatArray:
+    """Extremes of some runs, runs first; those of the first row are that row, with which an interval begins."""
+    rows = np.concatenate([_lanes(part, lanes)[:, :, :count] for part in parts]).transpose(2, 0, 1)[:, 1:].copy()
+    rows[np.isinf(rows)] = np.nan
+    return rows
