@@ -14,7 +14,6 @@ from benchmarks.galleries.exhaustion import Exhaustion, Meaning, exhaust
 from benchmarks.galleries.judge import respond
 from benchmarks.galleries.models import model_of, observable, port_of, scenario_of
 from benchmarks.galleries.network import INTERVALS, FloatArray, Network
-from propermodel.reduction.prediction import Replacement
 
 TOLERANCES = (0.01, 0.02, 0.05)
 STEP_TOLERANCE = 1e-7
@@ -22,7 +21,7 @@ STEP_TOLERANCE = 1e-7
 # within is a matter of how it is simulated. The tolerance is moved up until there is none.
 BORDER = 0.02
 
-MEANINGS: Mapping[type[Replacement], Meaning] = {
+MEANINGS: Mapping[type, Meaning] = {
     pm.ZeroEffort: Meaning.NO_EFFORT,
     pm.ZeroFlow: Meaning.NO_FLOW,
     pm.ConstantEffort: Meaning.CONSTANT,
@@ -42,12 +41,14 @@ class Case:
     optimum: int  # elements that can go, at most
     found: int  # elements that went
     error: float  # of what was found, simulated, over the tolerance
+    judged: float | None  # the same by the judge; None where it has not judged these removals
     simulations: int
     tried: int  # models, those that were refused included
     exhaustive: int  # sets of removals
     seconds: float
     removals: tuple[str, ...]  # of what was found
     best: tuple[str, ...]  # what can go, one of possibly several best sets
+    best_error: float | None  # of that set over the tolerance, simulated by the package; None where nothing was missed
 
     @property
     def missed(self) -> int:
@@ -83,22 +84,71 @@ def cases_of(network: Network, truth: Exhaustion, tolerances: Sequence[float] = 
             record_every=network.stop / INTERVALS,
         )
         best = found.best
+        optimum = truth.most_removed(tolerance)
+        is_missed = optimum > (0 if best is None else len(best.rows))
+        removals = () if best is None else tuple(sorted(map(told, best.removals)))
         yield Case(
             system=network.name,
             family=network.family,
             elements=len(network.elements),
             is_biased=network.is_biased,
             tolerance=tolerance,
-            optimum=truth.most_removed(tolerance),
+            optimum=optimum,
             found=0 if best is None else len(best.rows),
             error=0.0 if best is None else best.score,
+            judged=judged(network, truth, removals, tolerance),
             simulations=found.simulations,
             tried=len(found.candidates),
             exhaustive=truth.tried,
             seconds=time.perf_counter() - begin,
-            removals=() if best is None else tuple(sorted(map(told, best.removals))),
+            removals=removals,
             best=best_set(network, truth, tolerance),
+            best_error=simulated_error(network, best_set(network, truth, tolerance), tolerance) if is_missed else None,
         )
+
+
+def judged(network: Network, truth: Exhaustion, removals: Sequence[str], tolerance: float) -> float | None:
+    """The error of some removals over a tolerance; None where they are not among the sets that were judged."""
+    words = {
+        f"{element.name} {_words(meaning)}": (k, meaning) for k, element in enumerate(network) for meaning in Meaning
+    }
+    meanings = [Meaning.KEEP] * len(network.elements)
+    for removal in removals:
+        if removal not in words:
+            return None
+        number, meaning = words[removal]
+        meanings[number] = meaning
+    found = truth.at(meanings)
+    return None if found is None else float(np.max(found)) / tolerance
+
+
+def simulated_error(network: Network, removals: Sequence[str], tolerance: float) -> float | None:
+    """The largest error of some removals over a tolerance, simulated as in a search; None if one gives a constant."""
+    gone = [
+        kind(port_of(element))
+        for element in network
+        for kind, meaning in ((pm.ZeroEffort, Meaning.NO_EFFORT), (pm.ZeroFlow, Meaning.NO_FLOW))
+        if f"{element.name} {_words(meaning)}" in removals
+    ]
+    if len(gone) < len(removals):
+        return None
+    model, scenario = model_of(network), scenario_of(network, respond(network))
+    full, reduced = (
+        pm.simulate(
+            pm.compile_model(one),
+            scenario,
+            method=pm.Method.RODAS,
+            tolerance=STEP_TOLERANCE,
+            record_every=network.stop / INTERVALS,
+        )
+        for one in (model, model.without(gone))
+    )
+    outputs = [observable(network, output) for output in network.outputs]
+    return max(output.rms for output in pm.compare(full, reduced, outputs).outputs) / tolerance
+
+
+def _words(meaning: Meaning) -> str:
+    return meaning.name.lower().replace("_", " ")
 
 
 def clear_of_borders(truth: Exhaustion, tolerance: float) -> float:
@@ -114,7 +164,7 @@ def best_set(network: Network, truth: Exhaustion, tolerance: float) -> tuple[str
     most = np.flatnonzero(counts == counts.max())
     chosen = truth.meanings[most[np.argmin(truth.worst[most])]]
     return tuple(
-        f"{element.name} {Meaning(meaning).name.lower().replace('_', ' ')}"
+        f"{element.name} {_words(Meaning(meaning))}"
         for element, meaning in zip(network, chosen, strict=True)
         if meaning
     )
@@ -124,8 +174,8 @@ def told(removal: pm.Removal) -> str:
     """A removal in the words of `best_set`."""
     if isinstance(removal, pm.Freeze):
         return f"{removal.signal} frozen"
-    meaning = MEANINGS[type(removal)] if not isinstance(removal, pm.Cut) else "cut"
-    return f"{removal.bond[0]} {meaning.name.lower().replace('_', ' ') if isinstance(meaning, Meaning) else meaning}"
+    meaning = MEANINGS.get(type(removal))
+    return f"{removal.bond[0]} {type(removal).__name__.lower() if meaning is None else _words(meaning)}"
 
 
 def forecast_of(network: Network, truth: Exhaustion) -> Forecast:

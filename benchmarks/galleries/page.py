@@ -83,6 +83,8 @@ def _search_lines(cases: Sequence[Json]) -> list[str]:
         f"{systems} systems, {whole.cases} cases, {sum(c['exhaustive'] for c in cases) // 3:,} sets judged for",
         "the truth. *Optimum* counts models with as few elements as any within the tolerance",
         f"({whole.smaller} of them with fewer than the sets that were judged, by a constant that was not among them);",
+        "*outside* counts errors beyond the tolerance by simulation, or by the judge, who knows",
+        f"{whole.judged} of the models found;",
         "*simulations* is the median with the 90 % quantile; *at most* the largest number of simulations for each",
         "element; *of all sets* the largest share of simulations in the sets.",
     )
@@ -116,7 +118,7 @@ def _misses(cases: Sequence[Json]) -> list[str]:
     missed = [case for case in cases if case["missed"] > 0]
     if not missed:
         return ["No case was missed.", ""]
-    head = ["missed", "tolerance", "found", "optimum", "removed", "could be removed"]
+    head = ["missed", "tolerance", "found", "optimum", "removed", "could be removed", "its error"]
     rows = [
         [
             f"`{case['system']}`",
@@ -125,10 +127,15 @@ def _misses(cases: Sequence[Json]) -> list[str]:
             str(case["optimum"]),
             ", ".join(case["removals"]) or "nothing",
             ", ".join(case["best"]),
+            "" if case["best_error"] is None else f"{case['best_error']:.2f}",
         ]
         for case in missed
     ]
-    return table(head, rows, numbers_from=6)
+    words = paragraph(
+        "*Its error* is that of the set that could be removed, over the tolerance, as the package simulates it; where",
+        "it is more than one, the judge was wrong, and not the search.",
+    )
+    return [*table(head, rows, numbers_from=6), words, ""]
 
 
 def told(data: Json) -> str:

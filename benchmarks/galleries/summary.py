@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.galleries.cases import BORDER
 from benchmarks.measure import Json
 
 
@@ -19,7 +20,8 @@ class Tally:
     smaller: int  # of these, with fewer
     one_more: int
     two_more: int  # or still more
-    outside: int
+    outside: int  # by simulation or by the judge
+    judged: int  # of which the judge knows the error of what was found
     simulations: float  # median
     many_simulations: float  # 90 % quantile
     most_each: float  # largest number of simulations for each element
@@ -42,14 +44,15 @@ def tally(cases: Sequence[Json]) -> Tally:
     missed = np.array([case["missed"] for case in cases], dtype=int)
     simulations = np.array([case["simulations"] for case in cases], dtype=float)
     if not len(cases):
-        return Tally(0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0)
+        return Tally(0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0)
     return Tally(
         cases=len(cases),
         optimum=int(np.sum(missed <= 0)),
         smaller=int(np.sum(missed < 0)),
         one_more=int(np.sum(missed == 1)),
         two_more=int(np.sum(missed >= 2)),
-        outside=sum(case["error"] > 1.0 for case in cases),
+        outside=sum(case["error"] > 1.0 or (case["judged"] or 0.0) > 1.0 + BORDER for case in cases),
+        judged=sum(case["judged"] is not None for case in cases),
         simulations=float(np.median(simulations)),
         many_simulations=float(np.quantile(simulations, 0.9)),
         most_each=float(np.max(simulations / [case["elements"] for case in cases])),

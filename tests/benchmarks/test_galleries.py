@@ -104,6 +104,7 @@ def test_the_smallest_model_of_all_subsets_is_found():
     for case in cases_of(network, truth, (0.01, 0.05)):
         assert case.missed == 0
         assert case.error <= 1.0
+        assert case.judged == pytest.approx(case.error, rel=0.01)
         assert case.simulations <= 5 * case.elements
         assert len(case.best) == case.optimum >= 2
 
@@ -134,8 +135,8 @@ def test_both_judges_agree_on_a_linear_network():
 
 def case(**given: object) -> dict[str, object]:
     usual: dict[str, object] = {"system": "a_1", "family": "a", "elements": 8, "is_biased": False, "tolerance": 0.01}
-    usual |= {"optimum": 3, "found": 3, "missed": 0, "error": 0.5, "simulations": 4, "exhaustive": 1000}
-    return usual | {"removals": ["x no flow"], "best": ["x no flow"]} | given
+    usual |= {"optimum": 3, "found": 3, "missed": 0, "error": 0.5, "judged": 0.5, "simulations": 4, "exhaustive": 1000}
+    return usual | {"removals": ["x no flow"], "best": ["x no flow"], "best_error": 0.9} | given
 
 
 def test_the_page_tells_misses(tmp_path: Path):
@@ -160,7 +161,7 @@ def test_the_page_tells_misses(tmp_path: Path):
     write_page(data, tmp_path / "page.md")
     text = (tmp_path / "page.md").read_text()
     assert "| all | 3 | 66.7% | 0 | 1 | 0 |" in text
-    assert "| `a_1` | 2.00% | 1 | 3 | x no flow | x no flow |" in text
+    assert "| `a_1` | 2.00% | 1 | 3 | x no flow | x no flow | 0.90 |" in text
     assert "| predicted error | 1.000 | 1.000 | 50.0% |" in text
     assert "| activity | -1.000 |" in text
     assert "not linear" not in text
