@@ -102,6 +102,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.linearise import linearise
     from propermodel.analysis.modes import Mode, Modes
     from propermodel.analysis.ranking import ActivityRanking
+    from propermodel.analysis.recorded import RecordedElement, rank_recorded
     from propermodel.analysis.responses import FrequencyResponse, TimeResponse
     from propermodel.analysis.sensitivities import Sensitivities, sensitivities
     from propermodel.analysis.tolerances import Tolerance
@@ -203,6 +204,8 @@ _WHEN_USED = {
     "Curve": "reduction.methods.curve",
     "SizedModel": "reduction.methods.workbench",
     "rank_activity": "analysis.activity",
+    "rank_recorded": "analysis.recorded",
+    "RecordedElement": "analysis.recorded",
     "read_certificate": "reduction.certificate_files",
     "read_model": "modelling.documents",
     "read_scenario": "modelling.documents",
@@ -345,6 +348,8 @@ __all__ = [
     "Sensitivities",
     # activity and energy
     "rank_activity",
+    "rank_recorded",
+    "RecordedElement",
     "ActivityRanking",
     "energy_balance",
     "EnergyBalance",

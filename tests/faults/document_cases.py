@@ -185,6 +185,12 @@ CASES = (
         names=("city", "Z"),
         cure="class",
     ),
+    Case(
+        code="activity/map",
+        run=command("rank", "run.csv", "--map", "nowhere.toml"),
+        names=("nowhere.toml",),
+        cure='effort = "force"',
+    ),
     Case(code="command/unknown-model", run=command("check", "trck"), names=("trck",), cure="did you mean 'truck'?"),
     Case(code="command/model", run=command("check", RIG), names=("quarter_car.py",), cure="QuarterCar"),
     Case(

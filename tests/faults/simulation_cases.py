@@ -526,6 +526,16 @@ CASES = (
         cure="did you mean 'body'?",
     ),
     Case(
+        code="activity/recorded",
+        run=lambda: pm.rank_recorded(
+            {"time_s": (0.0, 1.0, 2.0), "force [N]": (0.0, 1.0, 2.0)},
+            {"spring": pm.RecordedElement(ports=(("force", "force"),))},
+        ),
+        names=("'force' in N",),
+        cure="its own flow",
+    ),
+    Case(code="activity/reader", run=lambda: pm.rank_recorded("run.mat", {}), names=("run.mat",), cure=".parquet"),
+    Case(
         code="reduction/cut",
         run=lambda: without(Cut(SPRING, Variable.EFFORT)),
         names=("suspension.spring.port", "effort", "1-junction"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -21,8 +22,11 @@ from propermodel.cli.options import (
     Until,
     configured,
 )
+from propermodel.cli.rank_windows import parse_windows
 
 if TYPE_CHECKING:
+    from propermodel.analysis.ranking import ActivityRanking
+    from propermodel.reduction.prediction import Prediction
     from propermodel.simulation.trajectory import Trajectory
 
 
@@ -56,6 +60,15 @@ def rank(
     threshold: Annotated[
         float | None, typer.Option(help="Tell what is kept at this share of the activity.", min=0.0, max=1.0)
     ] = None,
+    map_file: Annotated[
+        FilePath | None,
+        typer.Option(
+            "--map",
+            help="Rank what another tool has recorded: MODEL is its CSV, Parquet or netCDF file, and this TOML file "
+            "gives its columns to elements.",
+            metavar="FILE",
+        ),
+    ] = None,
     refine: Annotated[
         bool,
         typer.Option("--refine/--no-refine", help="Check with a run at half the step, or a tenth of the tolerance."),
@@ -65,14 +78,19 @@ def rank(
 ) -> None:
     """Rank the energy elements of a model by activity, and with --output by what their removal would change.
 
-    Several scenarios and windows are ranked each by itself, too: rows are sorted by their largest index.
+    Several scenarios and windows are ranked each by itself, too: rows are sorted by their largest index. With --map,
+    efforts and flows that another tool has recorded are ranked.
     """
+    wanted = None if windows is None else parse_windows(windows)
+    if map_file is not None:
+        from propermodel.cli.rank_recorded import rank_file
+
+        _show(rank_file(model, map_file, wanted), threshold, None, {"recording": model}, as_json, as_csv)
+        return
     from propermodel.analysis.activity import rank_activity
     from propermodel.cli.models import load_subject
     from propermodel.cli.progress import ProgressBars
-    from propermodel.cli.rank_windows import parse_windows, period_of_windows
-    from propermodel.cli.ranking_report import prediction_report, ranking_report, write_ranking_csv
-    from propermodel.cli.tables import Screen, prediction_table, ranking_notes, ranking_table
+    from propermodel.cli.rank_windows import period_of_windows
     from propermodel.compiler import compile_model
     from propermodel.diagnostics import SimulationError, parse_path
     from propermodel.reduction.prediction import predict_errors
@@ -91,7 +109,6 @@ def rank(
         for name in (scenario or [None])
     ]
     subject, scenarios = subjects[0], [each.scenario for each in subjects]
-    wanted = None if windows is None else parse_windows(windows)
     compiled = compile_model(subject.model)
     options = StudyOptions(
         method=subject.method,
@@ -115,13 +132,28 @@ def rank(
                 print_diagnostics(error.diagnostics)
                 raise typer.Exit(INTERRUPTED if so_far.was_interrupted else FAULTS_FOUND) from None
     ranking = rank_activity(runs, refined=refined or None, window=window, windows=wanted)
-    kept = None if threshold is None else [str(row.path) for row in ranking.kept_by(threshold)]
     prediction = predict_errors(runs[0], map(parse_path, output)) if output else None
+    _show(ranking, threshold, prediction, {"model": compiled.model.name}, as_json, as_csv)
+
+
+def _show(
+    ranking: ActivityRanking,
+    threshold: float | None,
+    prediction: Prediction | None,
+    of_what: dict[str, object],
+    as_json: bool,
+    as_csv: bool,
+) -> None:
+    """Print a ranking in the form that is asked for."""
+    from propermodel.cli.ranking_report import prediction_report, ranking_report, write_ranking_csv
+    from propermodel.cli.tables import Screen, prediction_table, ranking_notes, ranking_table
+
+    kept = None if threshold is None else [str(row.path) for row in ranking.kept_by(threshold)]
     if as_csv:
         write_ranking_csv(ranking)
         return
     if as_json:
-        report = {"model": compiled.model.name, **ranking_report(ranking)}
+        report = {**of_what, **ranking_report(ranking)}
         if kept is not None:
             report |= {"threshold": threshold, "kept": kept}
         if prediction is not None:
@@ -130,9 +162,7 @@ def rank(
         typer.echo(json.dumps(report, indent=2))
         return
     screen = Screen()
-    screen.print(ranking_table(ranking))
-    for note in ranking_notes(ranking):
-        screen.print(note)
+    screen.print(ranking_table(ranking), *ranking_notes(ranking))
     if kept is not None:
         screen.print(f"a threshold of {threshold:g} keeps {len(kept)} of {len(ranking.rows)}: {', '.join(kept)}")
     if prediction is not None:
