@@ -9,7 +9,7 @@ import pytest
 from propermodel import compile_model
 from propermodel.diagnostics import Path
 from propermodel.drawing.depict import depict
-from propermodel.drawing.engine import DrawingError
+from propermodel.drawing.javascript import DrawingError
 from propermodel.drawing.picture import Picture, PictureNode
 from propermodel.drawing.svg import to_svg
 from tests.cli.test_commands import MODEL, succeed

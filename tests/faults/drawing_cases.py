@@ -7,7 +7,7 @@ import threading
 from unittest.mock import patch
 
 import propermodel as pm
-from propermodel.drawing import engine
+from propermodel.drawing import javascript
 from propermodel.drawing.picture import Picture, PictureBond, Strokes
 from tests.faults.case import Case
 from tests.faults.simulation_cases import quarter
@@ -15,7 +15,7 @@ from tests.faults.simulation_cases import quarter
 
 def without_engine() -> object:
     # A module that is None cannot be imported, and a new thread has no engine yet.
-    with patch.dict(sys.modules, {"quickjs": None}), patch.object(engine, "_local", threading.local()):
+    with patch.dict(sys.modules, {"quickjs": None}), patch.object(javascript, "_local", threading.local()):
         return pm.to_svg(pm.depict(quarter()))
 
 
@@ -26,7 +26,7 @@ def bond_to_nothing() -> object:
 
 
 CASES = (
-    Case(code="drawing/engine", run=without_engine, names=("quickjs-ng",), cure="pip install 'propermodel[draw]'"),
+    Case(code="drawing/javascript", run=without_engine, names=("quickjs-ng",), cure="pip install 'propermodel[draw]'"),
     Case(
         code="drawing/failed",
         run=bond_to_nothing,

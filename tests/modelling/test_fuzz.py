@@ -91,3 +91,11 @@ def test_anything_else_is_refused(document: Any):
     for read in (from_document, from_scenario_document):
         with pytest.raises(DocumentError):
             read(document)
+
+
+def test_a_path_of_many_names_is_not_told_in_full():
+    document = through_json(to_document(subject("hydraulic_servo").model))
+    definition = next(d for d in document["definitions"] if d["type_name"] == "PositionServo")
+    link = next(c for c in definition["connections"] if "ports" in c)
+    link["ports"][0] = ".".join([link["ports"][0]] * 1000)
+    refused_or_equal(document)

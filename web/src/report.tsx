@@ -34,9 +34,9 @@ function Section({ id, title, children }: { id: string; title: string; children:
   );
 }
 
-function Report({ state, engine }: { state: State; engine: HTMLElement }) {
+function Report({ state, elk }: { state: State; elk: HTMLElement }) {
   const { data } = state;
-  const placer = placerFrom(engine);
+  const placer = placerFrom(elk);
   const there = SECTIONS.filter(([id]) => id !== "search" || data.tried !== null);
   return (
     <>
@@ -102,5 +102,5 @@ function Report({ state, engine }: { state: State; engine: HTMLElement }) {
 }
 
 const data = JSON.parse(document.getElementById("data")?.textContent ?? "") as StudyData;
-const engine = document.getElementById("engine") as HTMLElement;
-render(<Report state={new State(data)} engine={engine} />, document.getElementById("app") as HTMLElement);
+const elk = document.getElementById("elk") as HTMLElement;
+render(<Report state={new State(data)} elk={elk} />, document.getElementById("app") as HTMLElement);

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Literal
 
 from propermodel.diagnostics import Path, one_of, parse_path
-from propermodel.drawing.engine import DrawingError, run_drawing
+from propermodel.drawing.javascript import DrawingError, run_drawing
 from propermodel.drawing.picture import Picture
 
 Theme = Literal["light", "dark"]

@@ -32,6 +32,7 @@ from propermodel.modelling.model import (
 )
 
 CODE = "model/inconsistent"
+MOST_TOLD = 2000  # letters of a fault
 
 
 def faults_of(model: Model, limits: Limits | None = None, *, most: int | None = None) -> list[Diagnostic]:
@@ -141,8 +142,10 @@ class _Check:
             self.connection(connection)
 
     def fault(self, message: str, help: str = "", source: Source | None = None) -> None:
-        """Remember a fault."""
+        """Remember a fault; names in a file may be as long as its author likes, what is said of them may not."""
         d = self.definition
+        if len(message) > MOST_TOLD:
+            message = f"{message[: MOST_TOLD // 2]} … {message[-MOST_TOLD // 4 :]}"
         cure = help or f"name what {d.type_name} and its direct parts declare, each once and with its own unit"
         self.notes.add(Diagnostic(CODE, message, d.type_name, source or d.source, help=cure))
 

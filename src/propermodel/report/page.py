@@ -27,8 +27,8 @@ _PAGE = """<!doctype html>
 <noscript>This report draws itself, and needs scripts; it loads nothing from elsewhere.</noscript>
 <div id="app"></div>
 <script type="application/json" id="data">{data}</script>
-<!-- The layout engine ELK (elkjs, EPL-2.0, https://github.com/kieler/elkjs), unmodified and compressed. -->
-<script type="text/plain" id="engine">{engine}</script>
+<!-- What places the graph: ELK (elkjs, EPL-2.0, https://github.com/kieler/elkjs), unmodified and compressed. -->
+<script type="text/plain" id="elk">{elk}</script>
 <script>{script}</script>
 </body>
 </html>
@@ -46,7 +46,7 @@ def write_page(data: Json, file: FilePath) -> None:
 def page_text(data: Json) -> str:
     """The HTML of a page with this data, as the front end reads it."""
     report = resources.files("propermodel.report") / "assets"
-    engine = (resources.files("propermodel.drawing") / "assets" / "elk-worker.min.js").read_bytes()
+    elk = (resources.files("propermodel.drawing") / "assets" / "elk-worker.min.js").read_bytes()
     # A "<" could end the element that holds the data.
     text = json.dumps(finite(data), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     return _PAGE.format(
@@ -54,6 +54,6 @@ def page_text(data: Json) -> str:
         title=html.escape(f"{data['model']}: {data['scenario']}"),
         style=(report / "report.css").read_text(encoding="utf-8"),
         data=text,
-        engine=base64.b64encode(gzip.compress(engine, mtime=0)).decode("ascii"),
+        elk=base64.b64encode(gzip.compress(elk, mtime=0)).decode("ascii"),
         script=(report / "report.js").read_text(encoding="utf-8"),
     )

@@ -22,7 +22,7 @@ globalThis.runWaiting = () => {
   tasks.forEach((task) => task());
   return tasks.length;
 };
-globalThis.document = {};  // so that the layout engine does not take this for a worker
+globalThis.document = {};  // so that ELK does not take this for a worker
 globalThis.exports = {};
 globalThis.module = { exports };
 globalThis.answer = null;
@@ -69,7 +69,7 @@ def _started() -> Any:
         quickjs = import_module("quickjs")
     except ImportError as error:
         raise DrawingError.of(
-            "drawing/engine",
+            "drawing/javascript",
             "drawing without a browser needs the package quickjs-ng, which is not installed",
             help="install it: pip install 'propermodel[draw]'",
         ) from error
