@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from propermodel.analysis.tolerances import Tolerance
@@ -47,16 +47,32 @@ class Claim:
             ReductionError: one does not reach its end.
             SimulationError: a scenario does not fit the full model.
         """
+        return self._pairs(self.conditions, self.outputs)
+
+    def recorded_pair(self) -> tuple[Trajectory, Trajectory]:
+        """The runs of both models on the first scenario, with everything recorded.
+
+        Raises:
+            ReductionError: one does not reach its end.
+            SimulationError: the scenario does not fit the full model.
+        """
+        return self._pairs(self.conditions[:1], None)[0]
+
+    def _pairs(
+        self, conditions: Iterable[Condition], record: Sequence[Path] | None
+    ) -> list[tuple[Trajectory, Trajectory]]:
         full, reduced = compile_quietly(self.model), compile_quietly(self.reduced)
         return [
             (
-                self._run(full, condition.scenario, condition),
-                self._run(reduced, fitting_scenario(reduced, condition.scenario), condition),
+                self._run(full, condition.scenario, condition, record),
+                self._run(reduced, fitting_scenario(reduced, condition.scenario), condition, record),
             )
-            for condition in self.conditions
+            for condition in conditions
         ]
 
-    def _run(self, compiled: CompiledModel, scenario: Scenario, condition: Condition) -> Trajectory:
+    def _run(
+        self, compiled: CompiledModel, scenario: Scenario, condition: Condition, record: Sequence[Path] | None
+    ) -> Trajectory:
         run = simulate(
             compiled,
             scenario,
@@ -64,7 +80,7 @@ class Claim:
             step=self.stepping.step,
             jacobian_every=self.stepping.jacobian_every,
             tolerance=self.stepping.tolerance,
-            record=list(self.outputs),
+            record=record,
             record_every=condition.record_every,
             integrals_every=condition.integrals_every,
         )

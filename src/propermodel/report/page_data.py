@@ -14,21 +14,18 @@ from propermodel.analysis.comparison import OutputError, compare
 from propermodel.analysis.ranking import ActivityRanking, Discretisation
 from propermodel.codegen.machine import FloatArray
 from propermodel.codegen.versions import versions
-from propermodel.compiler import compile_quietly
 from propermodel.diagnostics import Path, parse_path
 from propermodel.drawing.depict import depict
 from propermodel.modelling.model import Removal
 from propermodel.reduction.candidates import ProperModelSearch
 from propermodel.reduction.certificate import Certificate
 from propermodel.reduction.certify import CertifiedModel
-from propermodel.reduction.fitting import fitting_scenario
 from propermodel.report.buckets import exactly_packed, extremes, packed
 from propermodel.report.panels import Panel, Series
 from propermodel.report.study import ReductionStudy
 from propermodel.report.summary import removal_text
 from propermodel.report.timeline import column_of
 from propermodel.simulation.display_units import Display, display_for
-from propermodel.simulation.simulate import simulate
 from propermodel.simulation.trajectory import Trajectory
 
 FORMAT = "propermodel report"
@@ -103,31 +100,15 @@ def subject_of_certified(
     """What the page of a certified model shows, after running both models on the first scenario.
 
     Raises:
-        SimulationError: a scenario does not fit its model.
+        ReductionError: a run does not reach its end.
+        SimulationError: the scenario does not fit the full model.
     """
     claim, certificate = certified.claim, certified.certificate
-    condition = claim.conditions[0]
-    whole, left = compile_quietly(claim.model), compile_quietly(claim.reduced)
-    full, reduced = (
-        simulate(
-            compiled,
-            scenario,
-            method=claim.stepping.method,
-            step=claim.stepping.step,
-            jacobian_every=claim.stepping.jacobian_every,
-            tolerance=claim.stepping.tolerance,
-            record_every=condition.record_every,
-            integrals_every=condition.integrals_every,
-        )
-        for compiled, scenario in (
-            (whole, condition.scenario),
-            (left, fitting_scenario(left, condition.scenario)),
-        )
-    )
+    full, reduced = claim.recorded_pair()
     gone = {row.row: row for row in certificate.removed}
     fates = {
         row.path: Fate("removed", "", gone[row.path].why) if row.path in gone else Fate("kept", "", "")
-        for row in whole.system.rows
+        for row in full.compiled.system.rows
     }
     return PageSubject(
         certificate=certificate,
