@@ -191,7 +191,7 @@ def driveline(chance: Chance, size: int, with_load: bool) -> Network:
         steady = 60.0
         drives += [
             Drive("steady_torque", "crank", Half.EFFORT, steady),
-            Drive("slope", "vehicle", Half.EFFORT, -steady / 6.0 * 6.0 * 6.0 / 0.3 * 0.9),
+            Drive("slope", "vehicle", Half.EFFORT, -steady * 6.0 / 0.3 * 0.9),
         ]
     outputs = [Output("vehicle", Half.FLOW)]
     if chance.among("one", "two") == "two":
