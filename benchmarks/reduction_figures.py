@@ -37,6 +37,8 @@ IMAGES = Path(__file__).parents[1] / "docs" / "images"
 FULL = {"color": DARK, "lw": 2.6, "alpha": 0.35, "label": "full"}
 PLAIN = {"color": VERMILION, "lw": 1.1, "label": "plain MORA"}
 OURS = {"color": BLUE, "lw": 1.1, "ls": "--", "label": "kept here"}
+# Legends stand on what is drawn, and must be read all the same.
+LEGEND = {"framealpha": 0.85, "edgecolor": "none"}
 
 
 def main() -> None:
@@ -72,7 +74,7 @@ def preload(axes) -> None:
     ours = run(model.without(reduction.removals), 2.0, step=5e-4, every=2e-3)
     axes.plot(ours.time, ours["body.flange.flow"], **OURS)
     axes.set(title="1  A preload does no work", xlabel="s", ylabel="velocity of the body, m/s")
-    axes.legend(frameon=False)
+    axes.legend(**LEGEND)
 
 
 def which_zero(axes) -> None:
@@ -88,7 +90,7 @@ def which_zero(axes) -> None:
         r = run(model.without([removal]), 2.0, step=2e-4, every=1e-3)
         axes.plot(r.time[last], r[output][last] / 1e3, **style)
     axes.set(title="Which zero? A body with 0.3 % of the activity", xlabel="s", ylabel="force of the tyre, kN")
-    axes.legend(frameon=False, loc="lower left", fontsize=7.5)
+    axes.legend(**LEGEND, loc="lower left", fontsize=7.5)
 
 
 def stability(axes) -> None:
@@ -99,7 +101,7 @@ def stability(axes) -> None:
     axes.plot(full.time, full[output], **{**FULL, "lw": 0.7, "alpha": 0.8, "label": "full"})
     axes.plot(rigid.time, rigid[output], **{**PLAIN, "label": "plain MORA: rigid link"})
     axes.set(title="3  A stiff link that destabilises: refused", xlabel="s", ylabel="velocity, m/s")
-    axes.legend(frameon=False)
+    axes.legend(**LEGEND)
 
 
 def drift(axes) -> None:
@@ -120,7 +122,7 @@ def drift(axes) -> None:
     axes.set(
         title="5  Slow drift: told, with its time constant", xlabel="h", ylabel="mean speed, rad/s", ylim=(0, None)
     )
-    axes.legend(frameon=False)
+    axes.legend(**LEGEND)
 
 
 def frames(axes) -> None:
@@ -137,7 +139,8 @@ def frames(axes) -> None:
     axes.set(title="9  The frame decides what masses do", xlabel="share of activity, %", xscale="log", yticks=places)
     axes.set_yticklabels(rows)
     axes.invert_yaxis()
-    axes.legend(frameon=False)
+    axes.set_xlim(right=3e4)  # room for the legend
+    axes.legend(loc="center right", **LEGEND)
 
 
 def hill(axes) -> None:
@@ -158,7 +161,7 @@ def hill(axes) -> None:
         r = simulate(model, scenario, method=Method.SEMI_IMPLICIT, step=2e-4, record_every=0.05)
         axes.plot(r.time, r["chassis.speed"], **style)
     axes.set(title="Hills through the tyres: a truck before 6 %", xlabel="s", ylabel="speed, m/s")
-    axes.legend(frameon=False)
+    axes.legend(**LEGEND)
 
 
 def parts() -> None:
@@ -179,7 +182,7 @@ def parts() -> None:
     )
     axes[0].loglog(100.0 * np.array(together), 100.0 * np.array(errors), "s-", color=BLUE, label="error of the outputs")
     axes[0].set(title="A passenger on an oscillator, cut one way", xlabel="its mass, % of its carrier's", ylabel="%")
-    axes[0].legend(frameon=False)
+    axes[0].legend(**LEGEND)
     full = run(quarter_car(0.3, 10.0), 2.0, step=5e-4, every=1e-3)
     found = partition(full, tolerance=0.05)
     cut = run(full.compiled.model.without(found.removals), 2.0, step=5e-4, every=1e-3)
@@ -187,7 +190,7 @@ def parts() -> None:
     axes[1].plot(full.time[last], full["body.flange.effort"][last], **FULL)
     axes[1].plot(cut.time[last], cut["body.flange.effort"][last], **{**OURS, "label": "body driven one way"})
     axes[1].set(title="A driven body keeps its output", xlabel="s", ylabel="force on the body, N")
-    axes[1].legend(frameon=False)
+    axes[1].legend(**LEGEND)
     figure.savefig(IMAGES / "reduction_parts.png", dpi=110)
 
 

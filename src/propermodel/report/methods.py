@@ -7,6 +7,7 @@ import csv
 import json
 from collections.abc import Sequence
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 
@@ -100,6 +101,7 @@ def draw_comparison(found: MethodComparison, file: FilePath) -> None:
             axes.set_yscale("log")
             axes.axhline(found.tolerance, color=DARK, linewidth=0.8, linestyle=(0, (4, 3)))
             axes.set_xlabel(label)
+            axes.xaxis.get_major_locator().set_params(integer=True)
         by_rows.set_ylabel("error, root mean square over range")
         by_rows.set_title(f"{found.model}: {found.rows} elements, {found.states} states")
         by_states.set_title("projections have states only")
@@ -107,11 +109,11 @@ def draw_comparison(found: MethodComparison, file: FilePath) -> None:
         figure.legend(handles, labels, loc="outside lower center", ncols=5)
 
 
-def _line(axes: object, sizes: Sequence[int | None], curve: Curve, style: dict[str, object]) -> None:
+def _line(axes: Any, sizes: Sequence[int | None], curve: Curve, style: dict[str, object]) -> None:
     points = [
         (size, max(model.error, _LEAST))
         for size, model in zip(sizes, curve.models, strict=True)
         if size is not None and np.isfinite(model.error)
     ]
     if points:
-        axes.plot(*zip(*points, strict=True), label=curve.method, **style)  # pyright: ignore[reportAttributeAccessIssue]
+        axes.plot(*zip(*points, strict=True), label=curve.method, **style)
