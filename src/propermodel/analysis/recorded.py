@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -21,6 +20,7 @@ from propermodel.analysis.recorded_files import Columns, read_columns
 from propermodel.analysis.windows import Window, Windows, windows_of
 from propermodel.codegen.machine import FloatArray
 from propermodel.diagnostics import Diagnostic, Faults, Path, ReductionError, one_of, parse_path
+from propermodel.expressions.dimensions import product
 from propermodel.expressions.units import parse_unit
 from propermodel.modelling.files import FileName
 
@@ -234,11 +234,8 @@ def _check_power(
     if not all(units):
         return
     with faults.collecting():
-        product: Counter[str] = Counter()
-        for unit in units:
-            for base, exponent in parse_unit(unit).dimension:
-                product[base] += exponent  # pyright: ignore[reportArgumentType]
-        if {base: e for base, e in product.items() if e} != dict(parse_unit("W").dimension):
+        first, second = (parse_unit(unit).dimension for unit in units)
+        if product(first, second) != parse_unit("W").dimension:
             message = f"'{effort}' in {units[0]} times '{flow}' in {units[1]} is no power"
             faults.add(_fault(message, "name the column of the effort and that of its own flow", element))
 

@@ -13,7 +13,8 @@ def _scaled(dimension: Dimension, power: float) -> Dimension:
     return tuple((name, p * power) for name, p in dimension if p * power)
 
 
-def _product(a: Dimension, b: Dimension, sign: float = 1.0) -> Dimension:
+def product(a: Dimension, b: Dimension, sign: float = 1.0) -> Dimension:
+    """The dimension of a product, or with the sign -1 of a quotient."""
     powers = dict(a)
     for name, p in b:
         powers[name] = powers.get(name, 0.0) + sign * p
@@ -65,9 +66,9 @@ def _node_dimension(node: Expr, args: list[Dimension | None], leaf_units: Mappin
         case Op.WHERE:
             return _same(node, args[1:])
         case Op.MULTIPLY:
-            return None if args[0] is None or args[1] is None else _product(args[0], args[1])
+            return None if args[0] is None or args[1] is None else product(args[0], args[1])
         case Op.DIVIDE:
-            return None if args[0] is None else _product(args[0], args[1] or (), -1.0)
+            return None if args[0] is None else product(args[0], args[1] or (), -1.0)
         case Op.POWER:
             return None if args[0] is None else _scaled(args[0], number(node.args[1]) or 0.0)
         case Op.SQUARE_ROOT:
