@@ -165,8 +165,37 @@ def test_a_mode_that_becomes_unstable_is_told():
     stable = pm.compile_model(two_masses(0.5))
     growing = pm.compile_model(two_masses(-30.0))
     before, after = (pm.linearise(compiled, pm.Scenario(stop=1.0), inputs=()) for compiled in (stable, growing))
-    (gained,) = spectral_change(before, after).gained
+    (gained,) = spectral_change(before, after, window=1.0).gained
     assert gained.nature == "unstable"
+
+
+def test_what_drifts_more_slowly_than_the_window_is_no_lost_oscillation():
+    # A swing of 63 s with a damping ratio of 0.05: the spring that makes it is lost with it.
+    mass, spring, damper, ground = Mass(mass=1.0), Spring(stiffness=0.01), Damper(damping=0.01), Fixed()
+    push = SinePush(force=1.0, frequency=1.0)
+    model = pm.elaborate(
+        system(
+            pm.connect(ground.flange, spring.a, damper.a),
+            pm.connect(spring.b, damper.b, mass.flange, push.flange),
+            push=push,
+            mass=mass,
+            spring=spring,
+            damper=damper,
+            ground=ground,
+        )
+    )
+    reduced = model.without([pm.ZeroEffort(parse_path("spring.port"))])
+    both = [pm.linearise(pm.compile_model(m), pm.Scenario(stop=1.0), inputs=()) for m in (model, reduced)]
+    assert spectral_change(*both, window=5.0).lost == ()
+    (lost,) = spectral_change(*both, window=50.0).lost
+    assert lost.nature == "lightly damped"
+    assert abs(complex(lost.real, lost.imaginary)) == pytest.approx(0.1, rel=1e-6)
+
+
+def test_what_grows_more_slowly_than_the_window_is_not_unstable_in_it():
+    slow, held = (pm.linearise(pm.compile_model(two_masses(d)), pm.Scenario(stop=1.0), inputs=()) for d in (-30.0, 0.5))
+    assert [mode.nature for mode in spectral_change(held, slow, window=1.0).gained] == ["unstable"]
+    assert spectral_change(held, slow, window=1e-3).gained == ()
 
 
 def test_removals_that_cancel_each_other_are_fragile():

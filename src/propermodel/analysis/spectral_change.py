@@ -12,6 +12,7 @@ from propermodel.diagnostics import Path
 LIGHT = 0.1  # damping ratio below which a mode is lightly damped
 NEAR = 0.3  # of the size of an eigenvalue: within it another one is its counterpart
 STIFFER = 1.05  # times the largest eigenvalue of the full model
+GROWTH = 0.3  # of a mode in the window, as a logarithm, from which on it counts as growing
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,8 @@ class SpectralChange:
     """The modes of a full and a reduced model near the same instant of a run.
 
     `lost` are critical modes of the full model without a counterpart; `gained` unstable ones that only the reduced
-    model has.
+    model has. What neither turns nor grows noticeably within the window is a slow drift, of which the run says
+    nothing: it is not critical.
     """
 
     time: float
@@ -72,15 +74,21 @@ class SpectralChange:
         return self.reduced.radius > STIFFER * self.full.radius
 
 
-def spectral_change(full: LinearModel, reduced: LinearModel) -> SpectralChange:
-    """Compare the modes of two linear models."""
+def spectral_change(full: LinearModel, reduced: LinearModel, window: float) -> SpectralChange:
+    """Compare the modes of two linear models.
+
+    Args:
+        full: The full model.
+        reduced: The reduced one, near the same instant.
+        window: Length of the run, s.
+    """
     before, after = tuple(full.modes()), tuple(reduced.modes())
     return SpectralChange(
         time=full.point.time,
         full=_spectrum(before),
         reduced=_spectrum(after),
-        lost=_without_counterpart([mode for mode in before if _is_critical(mode)], after),
-        gained=_without_counterpart(list(filter(_is_unstable, after)), before),
+        lost=_without_counterpart([m for m in before if _grows(m, window) or _swings(m, window)], after),
+        gained=_without_counterpart([m for m in after if _grows(m, window)], before),
     )
 
 
@@ -99,8 +107,15 @@ def _is_unstable(mode: Mode) -> bool:
     return mode.eigenvalue.real > 0.0
 
 
-def _is_critical(mode: Mode) -> bool:
-    return _is_unstable(mode) or (mode.is_oscillation and mode.damping_ratio < LIGHT)
+def _grows(mode: Mode, window: float) -> bool:
+    """Whether it has grown noticeably by the end of the window."""
+    return mode.eigenvalue.real * window > GROWTH
+
+
+def _swings(mode: Mode, window: float) -> bool:
+    """Whether it is an oscillation with little damping, fast enough to be seen in the window."""
+    is_light = mode.is_oscillation and mode.damping_ratio < LIGHT
+    return is_light and abs(mode.eigenvalue) * window > 1.0
 
 
 def _without_counterpart(modes: list[Mode], others: tuple[Mode, ...]) -> tuple[CriticalMode, ...]:

@@ -228,7 +228,7 @@ def _spectra(full: Trajectory, reduced: Trajectory) -> tuple[tuple[SpectralChang
         except SimulationError as error:
             notes.append(f"no modes at {time:.4g} s: {error.diagnostics[0].message}")
             continue
-        found.append(spectral_change(*both))
+        found.append(spectral_change(*both, window=stop - start))
     return tuple(found), tuple(notes)
 
 

@@ -15,6 +15,7 @@ from enum import StrEnum
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from propermodel.analysis.spectral_change import GROWTH
 from propermodel.analysis.spectrum import ComplexArray, Root, roots_of
 from propermodel.codegen.machine import FloatArray, Memory
 from propermodel.compiler import CompiledModel
@@ -27,7 +28,6 @@ from propermodel.simulation.trajectory import Trajectory
 INSTANTS = (1.0 / 3.0, 2.0 / 3.0, 1.0)  # of the window
 LIGHT_DAMPING = 0.02  # damping ratio below which an oscillation counts as hardly damped
 SAME = 0.3  # relative distance up to which an eigenvalue of the reduced model stands for one of the full model
-GROWTH = 0.3  # of a mode in the window, as a logarithm, from which on it counts as growing
 MOST_STATES = 400  # spectra of larger models are not compared here
 
 
