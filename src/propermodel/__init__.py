@@ -97,6 +97,7 @@ from propermodel.modelling import (
 if TYPE_CHECKING:
     from propermodel.analysis.activity import rank_activity
     from propermodel.analysis.balance import EnergyBalance, energy_balance
+    from propermodel.analysis.bond_ranking import BondRanking, rank_bonds
     from propermodel.analysis.comparison import Comparison, OutputError, compare
     from propermodel.analysis.linear_model import LinearModel
     from propermodel.analysis.linearise import linearise
@@ -204,6 +205,8 @@ _WHEN_USED = {
     "Curve": "reduction.methods.curve",
     "SizedModel": "reduction.methods.workbench",
     "rank_activity": "analysis.activity",
+    "rank_bonds": "analysis.bond_ranking",
+    "BondRanking": "analysis.bond_ranking",
     "rank_recorded": "analysis.recorded",
     "RecordedElement": "analysis.recorded",
     "read_certificate": "reduction.certificate_files",
@@ -348,9 +351,11 @@ __all__ = [
     "Sensitivities",
     # activity and energy
     "rank_activity",
+    "rank_bonds",
     "rank_recorded",
     "RecordedElement",
     "ActivityRanking",
+    "BondRanking",
     "energy_balance",
     "EnergyBalance",
     # reduction

@@ -267,6 +267,20 @@ def test_rank_of_a_window_and_without_a_check():
     assert sum(element["index"] for element in report["elements"]) == pytest.approx(1.0)
 
 
+def test_rank_of_bonds_tells_their_shares_at_junctions():
+    printed = succeed("rank", MODEL, "--step", "0.001", "--bonds", "--no-refine").splitlines()
+    assert printed[2].split()[0] == "suspension.spring.difference_ring2.carried"
+    assert printed[-1] == "not checked with a smaller step"
+    report = json.loads(succeed("rank", MODEL, "--step", "0.001", "--bonds", "--json"))
+    (road,) = (bond for bond in report["bonds"] if bond["kind"] == "Sf")
+    assert list(road["relative"].values()) == [1.0]
+    assert report["discretisation_check"] == "at a step of 0.0005 s instead of 0.001 s"
+    assert not any(junction["is_inactive"] for junction in report["junctions"])
+    lines = succeed("rank", MODEL, "--step", "0.001", "--bonds", "--no-refine", "--csv").splitlines()
+    assert lines[0].startswith("rank,path,kind,domain,tail,head,activity_J,share")
+    assert len(lines) == 1 + len(report["bonds"])
+
+
 def test_partition_tells_parts_and_cuts():
     printed = succeed("partition", MODEL, "--step", "0.001", "--apart")
     assert "one-way cut" in printed.splitlines()[0]

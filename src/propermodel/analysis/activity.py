@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from propermodel.analysis.rankable import check_runs, comparison_of, kind_of
 from propermodel.analysis.ranking import (
     ActivityRanking,
     RankedPart,
@@ -14,11 +15,9 @@ from propermodel.analysis.ranking import (
     ranked_rows,
 )
 from propermodel.analysis.windows import KeptIntegrals, Window, Windows, windows_of
-from propermodel.bondgraph.pseudo import is_pseudo
-from propermodel.diagnostics import Diagnostic, Path, ReductionError, one_of
+from propermodel.diagnostics import Path, ReductionError
 from propermodel.simulation.trajectory import Trajectory
 
-TRUE = "true"  # what true bonds are called in `rank_activity(run, among=...)`
 IDLE_BELOW = 1e-3
 
 
@@ -54,7 +53,7 @@ def rank_activity(
     """
     given = _as_tuple(runs)
     finer = () if refined is None else _as_tuple(refined)
-    _check(given, finer, among)
+    check_runs(given, finer, among)
     measured = [
         _measure(run, finer[number] if finer else None, window, windows, among, idle_below)
         for number, run in enumerate(given)
@@ -69,7 +68,7 @@ def rank_activity(
         fine = _sum([found.finer for found in measured])
         changes = index_changes(activities, fine)
         total_change = sum(fine.values()) / sum(activities.values()) - 1.0
-        discretisation = discretisation_of(_comparison(given[0], finer[0]), changes, parts, total_change)
+        discretisation = discretisation_of(comparison_of(given[0], finer[0]), changes, parts, total_change)
     spans = [found.whole.window for found in measured]
     idle = [part.name for part in parts if part.is_idle]
     return ActivityRanking(
@@ -175,12 +174,6 @@ def _contents(runs: Sequence[Trajectory], window: Window | None, rows: set[Path]
     ]
 
 
-def _comparison(run: Trajectory, refined: Trajectory) -> str:
-    if run.step == refined.step:
-        return f"at a tolerance of {refined.tolerance:g} instead of {run.tolerance:g}"
-    return f"at a step of {refined.step:g} s instead of {run.step:g} s"
-
-
 def _listed(names: Sequence[str], most: int = 5) -> str:
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return "; ".join(names[:most]) + more
@@ -191,75 +184,13 @@ def datums_of(run: Trajectory) -> tuple[str, ...]:
     return tuple(f"{d.name}: {d.datum}" for d in run.compiled.graph.domains.values() if d.datum)
 
 
-# -- what can be ranked ------------------------------------------------------------------------------------
-
-
-def _check(runs: Sequence[Trajectory], refined: Sequence[Trajectory], among: str | None) -> None:
-    if not runs or (refined and len(refined) != len(runs)):
-        raise ReductionError.of(
-            "activity/runs",
-            f"{len(runs)} runs and {len(refined)} refined runs cannot be ranked",
-            help="give at least one run, and no refined ones or one for each, in the same order",
-        )
-    for run in runs:
-        _check_complete(run, "run" if len(runs) == 1 else f"run of scenario '{run.scenario.name}'")
-    for run in refined:
-        _check_complete(run, "refined run")
-    first = runs[0].compiled.system.rows
-    for run in (*runs[1:], *refined):
-        if run.compiled.system.rows != first:
-            raise ReductionError.of(
-                "activity/runs",
-                f"the runs are of models with different rows: {runs[0].compiled.model.name} and "
-                f"{run.compiled.model.name}",
-                help="rank runs of one model together, and others apart",
-            )
-    _check_bonds(runs[0], among)
-
-
-def _check_complete(trajectory: Trajectory, name: str) -> None:
-    if not trajectory.ending.is_complete:
-        raise ReductionError.of(
-            "activity/incomplete",
-            f"the {name} did not reach its end: {trajectory.ending.message}",
-            where=str(trajectory.ending.path),
-            help="rank a run that is complete: cure the failure (a smaller step?), or let the scenario stop earlier",
-        )
-
-
-def _check_bonds(trajectory: Trajectory, among: str | None) -> None:
-    graph = trajectory.compiled.graph
-    pseudo = sorted({domain.name for domain in graph.domains.values() if not domain.is_true})
-    if among is not None and among not in (TRUE, *pseudo):
-        raise ReductionError.of(
-            "activity/unknown-domain",
-            f"there are no bonds called '{among}' to rank",
-            help=one_of(among, (TRUE, *pseudo)),
-        )
-    bonds = [graph.normal.bonds[name] for row in trajectory.compiled.system.rows for name in row.bonds]
-    kinds = {bond.domain if is_pseudo(graph, bond) else TRUE: bond for bond in reversed(bonds)}
-    if among is None and len(kinds) > 1:
-        name, bond = next((name, bond) for name, bond in kinds.items() if name != TRUE)
-        raise ReductionError(
-            [
-                Diagnostic(
-                    "activity/pseudo-bonds",
-                    "true and pseudo bonds cannot be ranked together: the product of a pseudo bond is not power",
-                    where=f"{bond.name} is a pseudo bond ({name})",
-                    help=f"rank them apart, rank_activity(run, among='{TRUE}') or among='{name}', "
-                    "or write the pseudo domain as a true one, with entropy flow for heat",
-                )
-            ]
-        )
-
-
 def _rows_among(trajectory: Trajectory, among: str | None) -> set[Path]:
     """The rows that are ranked."""
     graph = trajectory.compiled.graph
     found: set[Path] = set()
     for row in trajectory.compiled.system.rows:
         bonds = [graph.normal.bonds[name] for name in row.bonds]
-        kinds = {bond.domain if is_pseudo(graph, bond) else TRUE for bond in bonds}
+        kinds = {kind_of(graph, bond) for bond in bonds}
         if among is None or kinds == {among}:
             found.add(row.path)
     return found

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED, print_diagnostics
 from propermodel.cli.options import (
     AsJson,
     JacobianOption,
@@ -27,7 +25,6 @@ from propermodel.cli.rank_windows import parse_windows
 if TYPE_CHECKING:
     from propermodel.analysis.ranking import ActivityRanking
     from propermodel.reduction.prediction import Prediction
-    from propermodel.simulation.trajectory import Trajectory
 
 
 def rank(
@@ -73,6 +70,10 @@ def rank(
         bool,
         typer.Option("--refine/--no-refine", help="Check with a run at half the step, or a tenth of the tolerance."),
     ] = True,
+    bonds: Annotated[
+        bool,
+        typer.Option("--bonds", help="Rank every bond, and each among those of its junctions; tell idle junctions."),
+    ] = False,
     as_json: AsJson = False,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV in place of tables.")] = False,
 ) -> None:
@@ -89,12 +90,10 @@ def rank(
         return
     from propermodel.analysis.activity import rank_activity
     from propermodel.cli.models import load_subject
-    from propermodel.cli.progress import ProgressBars
-    from propermodel.cli.rank_windows import period_of_windows
+    from propermodel.cli.rank_runs import runs_of
     from propermodel.compiler import compile_model
-    from propermodel.diagnostics import SimulationError, parse_path
+    from propermodel.diagnostics import parse_path
     from propermodel.reduction.prediction import predict_errors
-    from propermodel.report.study import StudyOptions, StudySoFar
 
     subjects = [
         configured(
@@ -108,31 +107,15 @@ def rank(
         )
         for name in (scenario or [None])
     ]
-    subject, scenarios = subjects[0], [each.scenario for each in subjects]
-    compiled = compile_model(subject.model)
-    options = StudyOptions(
-        method=subject.method,
-        step=subject.step,
-        jacobian_every=subject.jacobian_every,
-        step_tolerance=subject.tolerance,
-    )
-    options = replace(options, integral_period=period_of_windows(options, scenarios, window, wanted))
-    runs: list[Trajectory] = []
-    refined: list[Trajectory] = []
-    with ProgressBars() as bars:
-        for each in scenarios:
-            so_far = StudySoFar()
-            try:
-                runs.append(so_far.run("full", compiled, each, options, bars))
-                if refine:
-                    refined.append(so_far.refine(runs[-1], options, bars))
-            except SimulationError as error:
-                if not so_far.runs:
-                    raise
-                print_diagnostics(error.diagnostics)
-                raise typer.Exit(INTERRUPTED if so_far.was_interrupted else FAULTS_FOUND) from None
-    ranking = rank_activity(runs, refined=refined or None, window=window, windows=wanted)
-    prediction = predict_errors(runs[0], map(parse_path, output)) if output else None
+    compiled = compile_model(subjects[0].model)
+    found = runs_of(compiled, subjects, window, wanted, refine)
+    if bonds:
+        from propermodel.cli.rank_bonds import show_bonds
+
+        show_bonds(found, window, as_json, as_csv)
+        return
+    ranking = rank_activity(found.runs, refined=found.refined, window=window, windows=wanted)
+    prediction = predict_errors(found.runs[0], map(parse_path, output)) if output else None
     _show(ranking, threshold, prediction, {"model": compiled.model.name}, as_json, as_csv)
 
 
