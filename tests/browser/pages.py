@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from propermodel.analysis.activity import rank_activity
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.drawing.depict import depict
 from propermodel.report.certify import certify_study
 from propermodel.report.page import write_page

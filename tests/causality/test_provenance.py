@@ -7,8 +7,8 @@ from pathlib import Path as FilePath
 import pytest
 
 import propermodel as pm
+from propermodel.catalogue.finding import load_subject
 from propermodel.causality.causal import CausalGraph, Why
-from propermodel.cli.models import load_subject
 from propermodel.diagnostics import parse_path
 from propermodel.library.electrical import (
     Capacitor,

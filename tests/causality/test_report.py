@@ -6,9 +6,9 @@ from pathlib import Path as FilePath
 
 import pytest
 
+from propermodel.catalogue.finding import load_subject
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.report import WIDTH, CausalReport, explain_causality
-from propermodel.cli.models import load_subject
 from propermodel.compiler import compile_model
 from propermodel.diagnostics import Path, parse_path
 from propermodel.equations.system import BlockKind

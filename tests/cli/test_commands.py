@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
+from propermodel.catalogue.named import NAMED_MODELS
 from propermodel.cli.app import app
-from propermodel.cli.models import NAMED_MODELS
 from propermodel.cli.options import MethodName
 from propermodel.cli.progress import ProgressBars
 from propermodel.compiler import Method, compile_model
@@ -376,7 +376,7 @@ def test_version_comes_first():
 
 @pytest.mark.parametrize("name", NAMED_MODELS)
 def test_models_of_the_library_have_what_their_entry_says(name: str):
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.report.study import check_outputs
     from propermodel.simulation.start import begin
 
@@ -469,7 +469,7 @@ def test_scenario_of_a_file_and_of_another_model(tmp_path: Path):
 
 
 def _model():
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
 
     return load_subject(MODEL).model
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from propermodel import Model, compile_model
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.drawing.depict import depict
 
 ROOT = Path(__file__).parents[2]

@@ -6,7 +6,7 @@ import pytest
 
 from propermodel import ConstantEffort, Freeze, Scenario, ZeroEffort, ZeroFlow, compile_model, rank_activity, simulate
 from propermodel.analysis.activity import bond_activities
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.diagnostics import Path, parse_path
 from propermodel.drawing.depict import depict, depict_model
 from propermodel.drawing.picture import Picture, PictureNode, Strokes

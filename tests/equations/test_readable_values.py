@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 
 import pytest
 
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.equations.names import input_symbols, parameter_aliases, quantity_symbol
 from propermodel.equations.readable import ReadableEquations, state_equations

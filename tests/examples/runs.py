@@ -11,7 +11,8 @@ from typing import Any
 from unittest.mock import patch
 
 import propermodel as pm
-from propermodel.cli.models import Subject, load_subject
+from propermodel.catalogue.finding import load_subject
+from propermodel.catalogue.subject import Subject
 from propermodel.simulation.trajectory import Trajectory
 
 FOLDER = Path(__file__).parents[2] / "examples"

@@ -11,8 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 import propermodel as pm
+from propermodel.catalogue.finding import load_subject
 from propermodel.cli.app import app
-from propermodel.cli.models import load_subject
 from propermodel.diagnostics import parse_path
 from propermodel.exchange.python import to_python
 from propermodel.expressions.core import Op, SymbolKind, constant, intern_node, symbol

@@ -8,7 +8,7 @@ import pytest
 
 from propermodel.analysis.activity import rank_activity
 from propermodel.analysis.balance import energy_balance
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import Method, compile_model
 from propermodel.diagnostics import parse_path
 from propermodel.library.vehicle.half_car import HalfCar

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import Method
 from propermodel.diagnostics import ProperModelError, parse_path
 from propermodel.modelling.documents import read_model, read_scenario

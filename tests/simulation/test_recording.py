@@ -16,7 +16,7 @@ from typing import BinaryIO
 import numpy as np
 import pytest
 
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.codegen.machine import FloatArray, Method
 from propermodel.compiler import CompiledModel, compile_model
 from propermodel.diagnostics import DocumentError, SimulationError, parse_path
@@ -133,7 +133,7 @@ def test_events_are_in_the_file_once(monkeypatch: pytest.MonkeyPatch, tmp_path: 
 
 KILLED = """
 import sys
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import compile_model
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import simulate
@@ -273,7 +273,7 @@ def test_a_file_that_was_exchanged_is_noticed(compiled: CompiledModel, scenario:
 
 MEASURED = """
 import resource, sys
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import compile_model
 from propermodel.modelling.model import Scenario
 from propermodel.simulation.simulate import simulate

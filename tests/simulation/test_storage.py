@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from propermodel.cli.models import load_subject
+from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import compile_model
 from propermodel.diagnostics import DocumentError, parse_path
 from propermodel.diagnostics import Path as Path_

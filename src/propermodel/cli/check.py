@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import typer
 
-from propermodel.cli.faults import FAULTS_FOUND, CommandError, print_diagnostics
+from propermodel.cli.faults import FAULTS_FOUND, print_diagnostics
 from propermodel.cli.options import ModelText
 
 
 def check(model: ModelText) -> None:
     """Elaborate and compile a model, and print every fault and warning."""
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.faults import CatalogueError
+    from propermodel.catalogue.finding import load_subject
     from propermodel.compiler import compile_model
     from propermodel.diagnostics import ProperModelError
 
     try:
         compiled = compile_model(load_subject(model).model)
-    except CommandError:
+    except CatalogueError:
         raise
     except ProperModelError as error:
         print_diagnostics(error.diagnostics)

@@ -48,7 +48,7 @@ def compare_methods(
     as_json: AsJson = False,
 ) -> None:
     """Reduce a model by several methods, measure every smaller model, and draw size against error."""
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.progress import ProgressBars
     from propermodel.cli.tables import Screen
     from propermodel.reduction.methods.compare import compare_methods as compared

@@ -18,7 +18,7 @@ def demo(
     as_json: AsJson = False,
 ) -> None:
     """Reduce the hybrid truck on its mission, and write the study."""
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.reduce import reduce_subject
     from propermodel.report.study import StudyOptions
 

@@ -51,7 +51,7 @@ def draw(
 ) -> None:
     """Draw the bond graph of a model; of a reduced one everything, with a sign at what is gone."""
     from propermodel.analysis.activity import bond_activities, rank_activity
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.compiler import compile_model
     from propermodel.drawing.depict import depict
     from propermodel.drawing.svg import to_svg

@@ -21,7 +21,7 @@ def export(
     ],
 ) -> None:
     """Write a model, with what it does without, as a script of Python that makes it again, or as a document."""
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.exchange.python import write_python
     from propermodel.modelling.documents import write_model
 

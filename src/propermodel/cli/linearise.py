@@ -24,7 +24,7 @@ from propermodel.cli.options import (
 
 if TYPE_CHECKING:
     from propermodel.analysis.linear_model import LinearModel
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.subject import Subject
     from propermodel.compiler import CompiledModel
 
 
@@ -51,7 +51,7 @@ def linearise(
     as_json: AsJson = False,
 ) -> None:
     """Print modes, and with --output transfer functions, of small deviations from a point."""
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
 

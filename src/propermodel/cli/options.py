@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
@@ -11,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propermodel.cli.faults import CommandError
-from propermodel.diagnostics import Diagnostic, Faults, Path, ProperModelError, nearest, parse_path
+from propermodel.diagnostics import Diagnostic, Faults, Path, parse_path
 
 if TYPE_CHECKING:
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.subject import Subject
 
 
 class MethodName(StrEnum):
@@ -97,24 +96,20 @@ def configured(
     Raises:
         CommandError: a parameter or option does not fit the model.
     """
+    from propermodel.catalogue.subject import changed
     from propermodel.compiler import Method
     from propermodel.simulation.choosing import AUTO
 
-    scenario = subject.scenario
-    if until is not None:
-        scenario = replace(scenario, stop=until)
     given = list(settings or ())
-    if given:
-        scenario = replace(scenario, parameters={**scenario.parameters, **parse_settings(subject, given)})
-    chosen = tuple(parse_path(text) for text in outputs or ())
-    return replace(
+    return changed(
         subject,
-        scenario=scenario,
-        method=subject.method if method is None else AUTO if method is MethodName.AUTO else Method(method.value),
-        step=subject.step if step is None else step,
-        jacobian_every=subject.jacobian_every if jacobian_every is None else jacobian_every,
-        tolerance=subject.tolerance if tolerance is None else tolerance,
-        outputs=chosen or subject.outputs,
+        until=until,
+        method=None if method is None else AUTO if method is MethodName.AUTO else Method(method.value),
+        step=step,
+        jacobian_every=jacobian_every,
+        tolerance=tolerance,
+        parameters=parse_settings(subject, given) if given else {},
+        outputs=tuple(parse_path(text) for text in outputs or ()),
     )
 
 
@@ -134,31 +129,16 @@ def parse_settings(subject: Subject, texts: Iterable[str]) -> dict[Path, float]:
     Raises:
         CommandError: a text names no parameter, or its value or unit does not fit.
     """
-    from propermodel.bondgraph.flatten import flatten
-    from propermodel.expressions.units import parse_quantity
+    from propermodel.catalogue.settings import read_settings
 
-    known = flatten(subject.model).parameters
     faults = Faults(CommandError)
-    found: dict[Path, float] = {}
+    given: dict[str, str] = {}
     for text in texts:
         name, mark, value = text.partition("=")
-        path = parse_path(name.strip())
         if not mark:
             faults.add(Diagnostic("command/set", f"'--set {text}' has no '='", help='write --set body.mass="1500 kg"'))
-        elif path not in known:
-            faults.add(
-                Diagnostic(
-                    "simulation/unknown-parameter",
-                    f"the model has no parameter '{path}'",
-                    help=nearest(str(path), (str(p) for p in known))
-                    or "propermodel show MODEL --parameters lists them",
-                )
-            )
         else:
-            try:
-                found[path] = parse_quantity(value, known[path].unit)
-            except ProperModelError as error:
-                for diagnostic in error.diagnostics:
-                    faults.add(replace(diagnostic, where=str(path)))
+            given[name.strip()] = value
+    found = read_settings(subject.model, given, faults)
     faults.raise_if_any()
     return found

@@ -39,7 +39,7 @@ def partition(
     as_json: AsJson = False,
 ) -> None:
     """Find driving and driven parts of a model, and measure what one-way cuts do to its outputs."""
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.compiler import compile_model
     from propermodel.reduction.part_runs import simulate_parts
     from propermodel.reduction.partition import partition as find_parts

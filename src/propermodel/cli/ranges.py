@@ -10,7 +10,7 @@ from propermodel.diagnostics import Path
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.subject import Subject
 
 
 def parse_ranges(subject: Subject, texts: Iterable[str]) -> dict[Path, float | tuple[float, float]]:

@@ -89,7 +89,7 @@ def rank(
         _show(rank_file(model, map_file, wanted), threshold, None, {"recording": model}, as_json, as_csv)
         return
     from propermodel.analysis.activity import rank_activity
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.rank_runs import runs_of
     from propermodel.compiler import compile_model
     from propermodel.diagnostics import parse_path

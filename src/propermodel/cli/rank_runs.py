@@ -12,7 +12,7 @@ from propermodel.cli.faults import FAULTS_FOUND, INTERRUPTED, print_diagnostics
 
 if TYPE_CHECKING:
     from propermodel.analysis.windows import Window, Windows
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.subject import Subject
     from propermodel.compiler import CompiledModel
     from propermodel.simulation.trajectory import Trajectory
 

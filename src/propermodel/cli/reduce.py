@@ -23,7 +23,7 @@ from propermodel.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.subject import Subject
     from propermodel.report.study import StudyOptions
 
 
@@ -87,7 +87,7 @@ def reduce(
 
     With --tolerance, find the smallest model whose outputs stay within tolerances instead.
     """
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.within import reduce_within
     from propermodel.report.study import StudyOptions
 

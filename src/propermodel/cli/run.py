@@ -57,7 +57,7 @@ def run(
 ) -> None:
     """Simulate a scenario; print how it went, and write what was recorded as CSV and npz."""
     from propermodel.analysis.balance import energy_balance
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.progress import ProgressBars
     from propermodel.cli.tables import Screen, plain, table
     from propermodel.compiler import compile_model

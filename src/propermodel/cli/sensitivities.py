@@ -46,7 +46,7 @@ def sensitivities(
 ) -> None:
     """Say how outputs, activities and their indices change with parameters."""
     from propermodel.analysis.sensitivities import sensitivities as find_sensitivities
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
 

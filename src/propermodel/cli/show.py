@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.tree import Tree
 
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.subject import Subject
     from propermodel.cli.tables import Screen
     from propermodel.compiler import CompiledModel
     from propermodel.equations.matrices import SymbolicMatrices
@@ -45,8 +45,8 @@ def show(
     settings: SetOption = None,
 ) -> None:
     """Show a model: its parts, causality, equations or parameters; or what a run recorded to a file."""
+    from propermodel.catalogue.finding import load_subject
     from propermodel.causality.report import explain_causality
-    from propermodel.cli.models import load_subject
     from propermodel.cli.tables import Screen
     from propermodel.compiler import compile_model
     from propermodel.equations.matrices import symbolic_matrices

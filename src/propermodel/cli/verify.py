@@ -31,7 +31,7 @@ def verify(
 
     Ends with 0 if the certificate holds, with 1 if a number is another or an error is beyond its tolerance.
     """
-    from propermodel.cli.models import load_subject
+    from propermodel.catalogue.finding import load_subject
     from propermodel.cli.tables import Screen
     from propermodel.reduction.certificate_files import read_certificate
     from propermodel.reduction.verify import verify_certificate

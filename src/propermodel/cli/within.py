@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from propermodel.analysis.comparison import OutputError
     from propermodel.analysis.tolerances import Tolerance
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.subject import Subject
     from propermodel.compiler import CompiledModel
     from propermodel.reduction.candidates import Candidate, ProperModelSearch
 
