@@ -18,7 +18,7 @@ PYTHON ?= python3
 BIN := $(VENV)/bin
 endif
 STAMP := $(VENV)/installed
-SOURCES := src tests $(wildcard benchmarks examples) $(wildcard docs/*.py)
+SOURCES := src tests $(wildcard benchmarks examples) $(wildcard docs/*.py) docs/notebooks
 
 .DEFAULT_GOAL := help
 .PHONY: help setup check test test-browser docs demo bench clean

@@ -9,9 +9,13 @@ sys.path.insert(0, str(DOCS))
 
 project = "propermodel"
 author = "propermodel developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "gallery_pages", "law_pages", "math_markup"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "gallery_pages", "law_pages", "math_markup"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
+nb_execution_mode = "force"  # notebooks are kept without outputs
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120  # s, of a cell
+nb_execution_in_temp = True
 html_theme = "furo"
 html_title = "propermodel"
 html_math_renderer = "mathml"

@@ -6,20 +6,24 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from dataclasses import replace
 
 import numpy as np
 
 from propermodel.analysis.activity import rank_activity
 from propermodel.catalogue.finding import load_subject
+from propermodel.compiler import compile_model
 from propermodel.drawing.depict import depict
 from propermodel.report.certify import certify_study
 from propermodel.report.page import write_page
 from propermodel.report.page_data import page_data, subject_of_study
 from propermodel.report.study import ReductionStudy, StudyOptions, run_study
 from tests.drawing.pictures import ROOT
+from tests.examples.test_notebooks import code_cells, run_cell
 
 FOLDER = ROOT / "out" / "browser"
+NOTEBOOK = ROOT / "docs" / "notebooks" / "suspension.ipynb"
 
 
 def quarter_car() -> ReductionStudy:
@@ -64,7 +68,25 @@ def write(name: str, study: ReductionStudy) -> None:
     (FOLDER / f"{name}.json").write_text(json.dumps(expected), encoding="utf-8")
 
 
+def write_notebook() -> None:
+    """A notebook of the documentation, executed, as an HTML page with nothing around it; and its model's picture."""
+    from nbconvert.exporters import HTMLExporter
+    from nbconvert.preprocessors import ExecutePreprocessor
+
+    exporter = HTMLExporter(template_name="basic")
+    exporter.register_preprocessor(ExecutePreprocessor(timeout=120), enabled=True)
+    with tempfile.TemporaryDirectory() as folder:
+        body, _ = exporter.from_filename(str(NOTEBOOK), resources={"metadata": {"path": folder}})
+    (FOLDER / "notebook.html").write_text(f"<!doctype html><meta charset=utf-8>{body}", encoding="utf-8")
+    names: dict[str, object] = {"__name__": "notebook"}
+    for cell in code_cells(NOTEBOOK)[:2]:
+        run_cell("".join(cell["source"]), NOTEBOOK.name, names)
+    picture = depict(compile_model(names["model"]))
+    (FOLDER / "notebook.json").write_text(json.dumps(picture.document()), encoding="utf-8")
+
+
 if __name__ == "__main__":
     FOLDER.mkdir(parents=True, exist_ok=True)
+    write_notebook()
     write("quarter_car", quarter_car())
     write("truck", truck())

@@ -5,8 +5,9 @@
 
 import { readFileSync, statSync } from "node:fs";
 import { fileURLToPath } from "node:url";
-import { chromium, type Browser, type Page } from "playwright-core";
+import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
+import { FOLDER, launched, opened } from "./pages.ts";
 
 interface Expected {
   readonly nodes: number;
@@ -17,31 +18,15 @@ interface Expected {
   readonly window: { readonly from: number; readonly to: number; readonly rows: readonly (readonly [string, number])[] };
 }
 
-const FOLDER = new URL("../../out/browser/", import.meta.url);
-const SWITCHES = [
-  "--no-sandbox",
-  "--disable-gpu",
-  "--disable-background-networking",
-  "--disable-component-update",
-  "--disable-sync",
-];
 let browser: Browser;
 
 beforeAll(async () => {
-  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: SWITCHES });
+  browser = await launched();
 });
 afterAll(async () => browser.close());
 
-async function opened(name: string, faults: string[], hash = ""): Promise<Page> {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-  page.on("pageerror", (error) => faults.push(error.message));
-  page.on("console", (message) => {
-    if (message.type() === "error") faults.push(message.text());
-  });
-  page.on("request", (request) => {
-    if (!/^(file|blob|data):/.test(request.url())) faults.push(`asked for ${request.url()}`);
-  });
-  await page.goto(`${new URL(`${name}.html`, FOLDER).href}${hash}`);
+async function ready(name: string, faults: string[], hash = ""): Promise<Page> {
+  const page = await opened(browser, name, faults, hash);
   await page.waitForSelector("body[data-ready]", { timeout: 60_000 });
   return page;
 }
@@ -53,7 +38,7 @@ describe.each(["quarter_car", "truck"])("%s", (name) => {
   let page: Page;
 
   beforeAll(async () => {
-    page = await opened(name, faults, "#open=" + (name === "quarter_car" ? "suspension,tyre" : ""));
+    page = await ready(name, faults, "#open=" + (name === "quarter_car" ? "suspension,tyre" : ""));
   });
   afterAll(async () => {
     await page.close();
@@ -171,7 +156,7 @@ describe.each(["quarter_car", "truck"])("%s", (name) => {
     await group.click();
     await page.waitForSelector(`.group[data-group="${path}"]`);
     expect(new URL(page.url()).hash).toContain(path);
-    const again = await opened(name, faults, new URL(page.url()).hash);
+    const again = await ready(name, faults, new URL(page.url()).hash);
     expect(await again.locator(`.group[data-group="${path}"]`).count()).toBe(1);
     await again.close();
   });

@@ -9,6 +9,7 @@ from propermodel.bondgraph.pseudo import is_pseudo
 from propermodel.diagnostics import Path
 from propermodel.equations.definitions import sign_at
 from propermodel.modelling.model import ElementKind
+from propermodel.presentation import notebook_html
 from propermodel.simulation.trajectory import Trajectory
 
 
@@ -38,6 +39,9 @@ class EnergyBalance:
     converted: float = 0.0  # what converters have taken to pseudo bonds
     lost_in_events: float = 0.0
     pseudo: Mapping[str, EnergyBalance] = field(default_factory=dict[str, "EnergyBalance"])
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     @property
     def integration_residual(self) -> float:

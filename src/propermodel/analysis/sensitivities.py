@@ -16,6 +16,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, SimulationError, one_of
 from propermodel.expressions.units import si_text
 from propermodel.modelling.model import Scenario
+from propermodel.presentation import notebook_html
 from propermodel.simulation.choosing import AUTO, Choice
 from propermodel.simulation.equilibrium import equilibrium_start
 from propermodel.simulation.stability import note_on_step
@@ -56,6 +57,9 @@ class Sensitivities:
     ending: Ending
     statistics: Statistics
     notes: tuple[str, ...]
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     def __getitem__(self, key: tuple[Name, Name]) -> FloatArray:
         """The derivative of an output with respect to a parameter, over `time`."""

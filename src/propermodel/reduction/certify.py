@@ -14,6 +14,7 @@ from propermodel.compiler import CompiledModel
 from propermodel.diagnostics import Path, ReductionError, SimulationError
 from propermodel.modelling.model import Model, Removal, Scenario
 from propermodel.modelling.removal_words import removal_text
+from propermodel.presentation import notebook_html
 from propermodel.reduction.candidates import Candidate, ProperModelSearch, Verdict
 from propermodel.reduction.certificate import (
     Certificate,
@@ -41,6 +42,9 @@ class CertifiedModel:
     certificate: Certificate
     full: Model
     scenarios: tuple[Scenario, ...]
+
+    def _repr_html_(self) -> str | None:
+        return notebook_html(self)
 
     @property
     def reduced(self) -> Model:

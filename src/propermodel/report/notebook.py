@@ -9,15 +9,18 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from propermodel.analysis.balance import EnergyBalance
 from propermodel.analysis.comparison import Comparison
 from propermodel.analysis.ranking import ActivityRanking
+from propermodel.analysis.sensitivities import Sensitivities
 from propermodel.codegen.machine import FloatArray
 from propermodel.compiler import CompiledModel, compile_quietly
-from propermodel.diagnostics import ProperModelError
+from propermodel.diagnostics import Path, ProperModelError
 from propermodel.drawing.depict import depict, depict_model
 from propermodel.drawing.svg import to_svg
 from propermodel.modelling.model import Model
 from propermodel.reduction.candidates import Candidate, ProperModelSearch
+from propermodel.reduction.certify import CertifiedModel
 from propermodel.reduction.plan import Reduction, Verdict
 from propermodel.report.buckets import extremes
 from propermodel.simulation.display_units import display_of
@@ -26,6 +29,7 @@ from propermodel.simulation.trajectory import Trajectory
 MOST_LINES = 12  # of a run
 _SPARK = (240, 28)  # px
 _LINE = "#0b5cad"
+_CELL = "text-align:left;padding:2px 12px 2px 0"
 
 
 @singledispatch
@@ -55,7 +59,7 @@ def _(compiled: CompiledModel) -> str | None:
 
 @html_of.register
 def _(run: Trajectory) -> str:
-    paths = run.paths[:MOST_LINES] if len(run.signals) else ()
+    paths = _telling(run)[:MOST_LINES] if len(run.signals) else ()
     rows: list[Sequence[str]] = []
     for path in paths:
         values = run[path]
@@ -71,6 +75,41 @@ def _(run: Trajectory) -> str:
     foot = f"<p>and {more} more: run.paths</p>" if more else ""
     head = f"<p><b>{_text(run.compiled.model.name)}</b>, {_text(run.scenario.name)}: {_text(run.ending.message)}</p>"
     return head + _table(("", "", "from, to", "unit"), rows) + foot
+
+
+def _telling(run: Trajectory) -> Sequence[Path]:
+    """What was recorded: states, efforts and flows of elements, and only then what lies between them."""
+    system = run.compiled.system
+    ports = [bond / variable for row in system.rows for bond in row.bonds for variable in ("effort", "flow")]
+    wanted = dict.fromkeys([*(state.path for state in system.states), *ports])
+    recorded = set(run.paths)
+    first = [path for path in wanted if path in recorded]
+    return [*first, *(path for path in run.paths if path not in wanted)]
+
+
+@html_of.register
+def _(balance: EnergyBalance) -> str:
+    rows = [(f"work of {_text(path)}", f"{work:.6g} J") for path, work in balance.sources]
+    rows += [(f"activated bond {_text(path)}", f"{energy:.6g} J") for path, energy in balance.activated]
+    rows += [(f"modulation of {_text(path)}", f"{energy:.6g} J") for path, energy in balance.modulated]
+    rows += [("stored", f"{balance.stored:.6g} J"), ("dissipated", f"{balance.dissipated:.6g} J")]
+    if balance.converted:
+        rows.append(("converted to pseudo bonds", f"{balance.converted:.6g} J"))
+    if balance.lost_in_events:
+        rows.append(("lost in events", f"{balance.lost_in_events:.6g} J"))
+    rows.append(("unaccounted", f"{balance.integration_residual:.2g} J, {balance.relative_residual:.1e} of the whole"))
+    rows += [
+        (f"pseudo bonds, {_text(name)}: unaccounted", f"{own.relative_residual:.1e}")
+        for name, own in balance.pseudo.items()
+    ]
+    return _table(("energy", ""), rows)
+
+
+@html_of.register(Sensitivities)
+@html_of.register(CertifiedModel)
+def _(thing: object) -> str:
+    """What is laid out as text already."""
+    return f"<pre>{_text(thing)}</pre>"
 
 
 @html_of.register
@@ -152,10 +191,8 @@ def _framed(svg: str) -> str:
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table of cells that are HTML already."""
-    head = "".join(f'<th style="text-align:left">{cell}</th>' for cell in heads)
-    body = "".join(
-        "<tr>" + "".join(f'<td style="text-align:left">{cell}</td>' for cell in row) + "</tr>" for row in rows
-    )
+    head = "".join(f'<th style="{_CELL}">{cell}</th>' for cell in heads)
+    body = "".join("<tr>" + "".join(f'<td style="{_CELL}">{cell}</td>' for cell in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
