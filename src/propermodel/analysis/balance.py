@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from propermodel.bondgraph.pseudo import is_pseudo
 from propermodel.diagnostics import Path
-from propermodel.equations.definitions import sign_at
+from propermodel.equations.at_places import sign_at
 from propermodel.modelling.model import ElementKind
 from propermodel.presentation import notebook_html
 from propermodel.simulation.trajectory import Trajectory

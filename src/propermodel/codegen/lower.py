@@ -24,8 +24,8 @@ from propermodel.codegen.program import (
     TableSlot,
 )
 from propermodel.diagnostics import Path
+from propermodel.equations.at_places import sign_at
 from propermodel.equations.corrections import Correction, corrections_of
-from propermodel.equations.definitions import sign_at
 from propermodel.equations.system import EquationSystem, Impacts, ImplicitBlock, StateKind, Switching
 from propermodel.expressions.core import (
     ONE,

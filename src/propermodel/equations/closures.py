@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 from propermodel.bondgraph.graph import Bond, Element
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.closures import closures, is_mechanism
-from propermodel.equations.definitions import Definitions, sign_at
+from propermodel.equations.at_places import sign_at
+from propermodel.equations.definitions import Definitions
 from propermodel.equations.impulses import impulse_slopes
 from propermodel.equations.loops import Resolution
 from propermodel.equations.system import Closure, StateVariable
