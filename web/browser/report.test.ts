@@ -123,8 +123,8 @@ describe.each(["quarter_car", "truck"])("%s", (name) => {
 
   test("an element shows effort, flow and power at its ports, and its activity", async () => {
     await page.locator("tbody button").first().click();
-    await page.waitForSelector(".histories .u-title");
-    const titles = (await page.locator(".histories .u-title").allTextContents()).map((title) => title.split(" ")[0]);
+    await page.waitForSelector(".histories .lane-title");
+    const titles = (await page.locator(".histories .lane-title").allTextContents()).map((title) => title.split(" ")[0]);
     expect(titles.slice(0, 3)).toEqual(["effort", "flow", "power"]);
     expect(titles.at(-1)).toBe("activity");
   });
@@ -179,5 +179,23 @@ describe.each(["quarter_car", "truck"])("%s", (name) => {
       [...document.querySelectorAll<HTMLElement>(".lane")].flatMap((lane) => lane.dataset.paths?.split(" ")),
     );
     expect(shown).toEqual(expect.arrayContaining([...expected.outputs]));
+  });
+
+  test("below every lane of both models stands their difference", async () => {
+    const keys = await page.evaluate(() =>
+      [...document.querySelectorAll<HTMLElement>("#outputs .lane")].map((lane) => (lane.dataset.lane ?? "").split(" ")[0]),
+    );
+    expect(keys.length).toBeGreaterThan(0);
+    // A lane of signals that the reduced model has not, such as an input, stands alone.
+    expect(keys.filter((key) => key === "difference").length).toBeGreaterThan(0);
+    expect(keys.slice(0, 2)).toEqual(["values", "difference"]);
+    const lane = page.locator("#outputs .lane").nth(1);
+    await lane.scrollIntoViewIfNeeded();
+    await lane.locator(".u-over").hover({ position: { x: 400, y: 40 } });
+    await page.waitForFunction(() => document.querySelectorAll("#outputs .lane")[1]?.querySelector("output")?.textContent !== "–");
+    const values = await page.locator("#outputs .lane").first().locator("output").allTextContents();
+    const difference = (await lane.locator("output").first().textContent()) as string;
+    expect(values.length).toBeGreaterThanOrEqual(2);
+    expect(Number.isFinite(parseFloat(difference))).toBe(true);
   });
 });

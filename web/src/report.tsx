@@ -1,18 +1,23 @@
 /** The report: one page with everything a reader asks about a reduction, complete in its file. */
 
 import "uplot/dist/uPlot.min.css";
+import "./views.css";
 import "./report.css";
 import { render } from "preact";
 import type { ComponentChildren } from "preact";
+import { Address } from "./views/address.ts";
+import { BOTH, panelsOf } from "./views/compared.ts";
 import type { StudyData } from "./views/data.ts";
-import { Element } from "./views/element.tsx";
+import { ElementView } from "./views/element.tsx";
 import { FrontView } from "./views/front.tsx";
-import { GraphView } from "./views/graph.tsx";
-import { LanesView } from "./views/lanes.tsx";
+import { LanesView, ownZoom } from "./views/lanes.tsx";
 import { placerFrom } from "./views/placer.ts";
 import { RankingView } from "./views/ranking.tsx";
-import { State } from "./views/state.ts";
-import { Balances, Certificate, Facts, Outputs, Pairs } from "./views/tables.tsx";
+import { ReductionGraph } from "./views/reduction.tsx";
+import { EmbeddedSource } from "./views/source.ts";
+import { RankingState } from "./views/state.ts";
+import { Balances, Certificate, Facts, Notes, Outputs, Pairs } from "./views/tables.tsx";
+import { Themes } from "./views/theme.ts";
 
 const SECTIONS = [
   ["summary", "Summary"],
@@ -34,9 +39,16 @@ function Section({ id, title, children }: { id: string; title: string; children:
   );
 }
 
-function Report({ state, elk }: { state: State; elk: HTMLElement }) {
-  const { data } = state;
-  const placer = placerFrom(elk);
+const data = JSON.parse(document.getElementById("data")?.textContent ?? "") as StudyData;
+const placer = placerFrom(document.getElementById("elk") as HTMLElement);
+const source = new EmbeddedSource(data);
+const address = new Address();
+const themes = new Themes(address);
+const state = new RankingState(data, address, "reduction");
+const zoom = ownZoom();
+const panels = panelsOf(data);
+
+function Report() {
   const there = SECTIONS.filter(([id]) => id !== "search" || data.tried !== null);
   return (
     <>
@@ -48,32 +60,17 @@ function Report({ state, elk }: { state: State; elk: HTMLElement }) {
           {there.map(([id, title]) => (
             <button key={id} type="button" onClick={() => document.getElementById(id)?.scrollIntoView()}>{title}</button>
           ))}
-          <button
-            type="button"
-            aria-label="Light or dark"
-            onClick={() => (state.theme.value = state.theme.value === "dark" ? "light" : "dark")}
-          >
-            ◐
-          </button>
+          <button type="button" aria-label="Light or dark" onClick={() => themes.turn()}>◐</button>
         </nav>
       </header>
       <main>
         <Section id="summary" title="Summary">
-          <Facts data={data} />
-          {data.notes.length > 0 && (
-            <details class="notes" open={data.notes.length <= 4}>
-              <summary>{data.notes.length} {data.notes.length === 1 ? "thing" : "things"} not to be overlooked</summary>
-              <ul>
-                {data.notes.map((note) => (
-                  <li key={note}>{note}</li>
-                ))}
-              </ul>
-            </details>
-          )}
+          <Facts facts={data.facts} />
+          <Notes notes={data.notes} />
         </Section>
         <Section id="graph" title="Bond graph">
-          <GraphView state={state} placer={placer} />
-          <Element state={state} />
+          <ReductionGraph state={state} placer={placer} theme={themes.theme} />
+          <ElementView state={state} source={source} run="full" theme={themes.theme} />
         </Section>
         {data.tried !== null && (
           <Section id="search" title="Models tried">
@@ -84,11 +81,20 @@ function Report({ state, elk }: { state: State; elk: HTMLElement }) {
           <RankingView state={state} />
         </Section>
         <Section id="outputs" title="Full model against reduced model">
-          <Outputs data={data} />
-          <LanesView state={state} />
+          <Outputs outputs={data.outputs} />
+          <LanesView
+            source={source}
+            groups={panels}
+            runs={BOTH}
+            difference="difference"
+            whole={data.window}
+            zoom={zoom}
+            theme={themes.theme}
+            name={`${data.model}, full and reduced`}
+          />
         </Section>
         <Section id="energy" title="Energy">
-          <Balances data={data} />
+          <Balances {...data.balances} />
         </Section>
         <Section id="certificate" title="Certificate">
           <Certificate lines={data.certificate} />
@@ -101,6 +107,4 @@ function Report({ state, elk }: { state: State; elk: HTMLElement }) {
   );
 }
 
-const data = JSON.parse(document.getElementById("data")?.textContent ?? "") as StudyData;
-const elk = document.getElementById("elk") as HTMLElement;
-render(<Report state={new State(data)} elk={elk} />, document.getElementById("app") as HTMLElement);
+render(<Report />, document.getElementById("app") as HTMLElement);

@@ -233,6 +233,7 @@ def _signals(subject: PageSubject) -> Json:
                     "panel": title,
                     "full": packed(extremes(time, values * factor, edges)),
                     "reduced": _reduced(reduced, parse_path(series.path), factor, edges),
+                    "difference": _difference(reduced, parse_path(series.path), factor, (time, values), edges),
                 }
             )
     return {"times": packed(np.column_stack([edges[:-1], middles]).ravel()), "items": items}
@@ -240,6 +241,16 @@ def _signals(subject: PageSubject) -> Json:
 
 def _reduced(run: Trajectory, path: Path, factor: float, edges: FloatArray) -> str | None:
     return packed(extremes(run.time, run[path] * factor, edges)) if path in run else None
+
+
+def _difference(
+    reduced: Trajectory, path: Path, factor: float, full: tuple[FloatArray, FloatArray], edges: FloatArray
+) -> str | None:
+    """The reduced model less the full one, at the instants of the full one."""
+    if path not in reduced:
+        return None
+    time, values = full
+    return packed(extremes(time, (np.interp(time, reduced.time, reduced[path]) - values) * factor, edges))
 
 
 def _windows(subject: PageSubject) -> Json:

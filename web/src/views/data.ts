@@ -25,6 +25,7 @@ export interface SignalData {
   readonly panel: string;
   readonly full: string; // little-endian float32, base64
   readonly reduced: string | null;
+  readonly difference: string | null; // reduced less full
 }
 
 /** An output of the comparison, as shares of the range of the full model's run. */
@@ -67,23 +68,34 @@ export interface Tried {
   readonly mark: "" | "recommended" | "smallest";
 }
 
-export interface StudyData {
-  readonly format: "propermodel report";
-  readonly version: 1;
+/** A figure of a summary. */
+export interface Fact {
+  readonly name: string;
+  readonly value: string;
+  readonly note: string;
+}
+
+/** The activity of one run, and how it can be ranked for parts of it. */
+export interface RankingData {
   readonly model: string;
   readonly scenario: string;
   readonly window: readonly [number, number];
   readonly threshold: number;
-  readonly facts: readonly { readonly name: string; readonly value: string; readonly note: string }[];
+  readonly facts: readonly Fact[];
   readonly picture: Picture;
   readonly rows: readonly RankedRow[];
   readonly totalActivity: number;
   readonly notes: readonly string[];
+  /** The activity of every row since the start, at some instants: little-endian float64, base64. */
+  readonly windows: { readonly times: string; readonly rows: Readonly<Record<string, string>> };
+}
+
+export interface StudyData extends RankingData {
+  readonly format: "propermodel report";
+  readonly version: 1;
   readonly outputs: readonly OutputRow[];
   readonly balances: { readonly full: BalanceData; readonly reduced: BalanceData };
   readonly signals: { readonly times: string; readonly items: readonly SignalData[] };
-  /** The activity of every row since the start, at some instants: little-endian float64, base64. */
-  readonly windows: { readonly times: string; readonly rows: Readonly<Record<string, string>> };
   readonly histories: { readonly times: string; readonly rows: Readonly<Record<string, readonly History[]>> };
   readonly tried: readonly Tried[] | null;
   readonly made: readonly { readonly name: string; readonly value: string }[];

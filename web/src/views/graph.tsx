@@ -1,113 +1,186 @@
-/** The drawn graph: groups open and close, elements can be chosen, the threshold repaints it. */
+/** The drawn graph: groups open and close, things are selected, it is zoomed, and what a threshold takes away is repainted. */
 
-import { useSignalEffect } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useSignal, useSignalEffect, type ReadonlySignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 import { draw } from "../graph/draw.ts";
 import { noteOf } from "../graph/figures.ts";
-import { fold, openTo } from "../graph/fold.ts";
+import { fold } from "../graph/fold.ts";
 import { place, type Layout, type Placer } from "../graph/layout.ts";
+import type { Theme } from "../graph/notation.ts";
 import type { Picture } from "../graph/picture.ts";
-import type { State } from "./state.ts";
+import { bring, mark, nameOf, neighbour, reachable, sized } from "./canvas.ts";
+import type { GraphChoices } from "./choices.ts";
+import { savePicture } from "./saving.ts";
 
 const READABLE = 0.85; // of the size in which a drawing is made
+const LARGEST = 1.5;
+const STEP = 1.25;
+const NOTHING: ReadonlySet<string> = new Set();
 
-export function GraphView({ state, placer }: { state: State; placer: Placer }) {
+interface GraphProps {
+  readonly choices: GraphChoices;
+  /** What is drawn now: the picture of the choices, with other activities or without removals. */
+  readonly picture: ReadonlySignal<Picture>;
+  readonly placer: Placer;
+  readonly theme: ReadonlySignal<Theme>;
+  readonly below?: ReadonlySignal<ReadonlySet<string>>;
+  readonly marked?: ReadonlySignal<ReadonlySet<string>>;
+  readonly label?: string;
+  /** The page around the drawing has no height of its own, but grows with it. */
+  readonly grows?: boolean;
+  readonly children?: ComponentChildren; // more tools
+}
+
+export function GraphView({ choices, picture, placer, theme, below, marked, label, grows, children }: GraphProps) {
   const page = useRef<HTMLDivElement>(null);
   const layouts = useRef(new Map<string, Promise<Layout>>());
-  const bare = withoutRemovals(state.data.picture);
   const turn = useRef(0);
+  const isFirst = useRef(true);
+  /** px for a unit of the drawing; null chooses the usual one. */
+  const scale = useSignal<number | "fit" | null>(null);
 
-  const pictureNow = (): Picture => {
-    const picture = state.shown.value === "reduction" ? state.data.picture : bare;
-    if (state.window.value === null || picture.activity === undefined) return picture;
-    const rows = Object.fromEntries(state.rows.value.map((row) => [row.path, row.index]));
-    return { ...picture, activity: { ...picture.activity, rows } };
+  const svgNow = (): SVGSVGElement | null => page.current?.querySelector("svg") ?? null;
+  const resize = (): void => {
+    const svg = svgNow();
+    if (svg !== null && page.current !== null) sized(svg, scaleOf(scale.peek(), svg, page.current));
   };
-
   useSignalEffect(() => {
-    const open = state.open.value;
-    const picture = pictureNow();
-    const below = state.shown.value === "threshold" ? rowsBelow(state) : new Set<string>();
-    const theme = state.theme.value;
+    const open = choices.open.value;
+    const shown = picture.value;
+    const gone = below?.value ?? NOTHING;
+    const colours = theme.value;
     const key = [...open].sort().join(" ");
     let layout = layouts.current.get(key);
     if (layout === undefined) {
-      layout = place(fold(state.data.picture, open), placer);
+      layout = place(fold(choices.picture, open), placer);
       layouts.current.set(key, layout);
     }
     turn.current += 1;
     const mine = turn.current;
     void layout.then((placed) => {
       if (mine !== turn.current || page.current === null) return;
-      const visible = fold(picture, open, below);
-      // What is gone differs between the two ways to look; where things are does not.
-      const shown = refreshed(placed, visible);
-      page.current.innerHTML = draw(picture, shown, { theme, legend: true, below });
-      // Letters stay readable: a wide drawing is scrolled, not shrunk.
-      page.current.firstElementChild?.setAttribute("style", `min-width: ${Math.round(READABLE * shown.width)}px`);
-      mark(page.current, state.selected.value);
+      // What is gone differs between two ways to look; where things are does not.
+      const drawing = draw(shown, refreshed(placed, fold(shown, open, gone)), { theme: colours, legend: true, below: gone });
+      const focused = page.current.contains(document.activeElement) ? nameOf(document.activeElement as SVGElement) : undefined;
+      page.current.innerHTML = drawing;
+      const svg = svgNow() as SVGSVGElement;
+      resize();
+      reachable(svg, shown.name, focused ?? choices.selected.peek());
+      mark(svg, choices.selected.peek(), marked?.peek() ?? NOTHING);
+      if (isFirst.current) {
+        isFirst.current = false;
+        page.current.scrollTop = (page.current.scrollHeight - page.current.clientHeight) / 2;
+      }
+      const chosen = svg.querySelector(".chosen");
+      if (chosen !== null) bring(page.current, chosen);
+      if (focused !== undefined) svg.querySelector<SVGElement>('[tabindex="0"]')?.focus();
       document.body.dataset.ready = "true";
     });
   });
   useSignalEffect(() => {
-    if (page.current !== null) mark(page.current, state.selected.value);
+    const selected = choices.selected.value;
+    const seen = marked?.value ?? NOTHING;
+    const svg = svgNow();
+    if (svg === null || page.current === null) return;
+    mark(svg, selected, seen);
+    const chosen = svg.querySelector(".chosen");
+    if (chosen !== null) bring(page.current, chosen);
   });
+  useSignalEffect(() => {
+    scale.value;
+    resize();
+  });
+  useEffect(() => {
+    if (page.current === null) return;
+    const watched = new ResizeObserver(resize);
+    watched.observe(page.current);
+    return () => watched.disconnect();
+  }, []);
 
   const chosen = (event: Event): void => {
     const target = event.target as Element;
-    const group = target.closest<SVGElement>("[data-group]");
     const node = target.closest<SVGElement>("[data-id]");
-    if (node !== null) state.selected.value = node.dataset.id ?? null;
-    else if (group !== null) state.toggle(group.dataset.group ?? "");
-    else state.selected.value = null;
+    const group = target.closest<SVGElement>("[data-group]");
+    if (node !== null) choices.select(node.dataset.id ?? null);
+    else if (group !== null) {
+      const path = group.dataset.group ?? "";
+      if (path !== "") choices.toggle(path);
+    } else choices.select(null);
+  };
+  const zoom = (factor: number): void => {
+    const svg = svgNow();
+    if (svg === null || page.current === null) return;
+    scale.value = Math.min(4, Math.max(0.1, scaleOf(scale.peek(), svg, page.current) * factor));
   };
   const typed = (event: KeyboardEvent): void => {
-    if (event.key !== "Enter" && event.key !== " ") return;
+    const svg = svgNow();
+    const target = (event.target as Element).closest<SVGElement>("[role=button]");
+    if (svg === null || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === "f") scale.value = "fit";
+    else if (event.key === "+") zoom(STEP);
+    else if (event.key === "-") zoom(1 / STEP);
+    else if (event.key === "Escape") choices.select(null);
+    else if (target === null) return;
+    else if (event.key === "Enter" || event.key === " ") chosen(event);
+    else if (event.key === "e") choices.toggle(groupOf(choices.picture, nameOf(target) ?? ""));
+    else if (event.key.startsWith("Arrow")) {
+      const next = neighbour(svg, target, event.key);
+      if (next !== null) {
+        target.setAttribute("tabindex", "-1");
+        next.setAttribute("tabindex", "0");
+        next.focus();
+      }
+    } else return;
     event.preventDefault();
-    chosen(event);
+    event.stopPropagation();
   };
-  const depth = (levels: number): void => {
-    state.open.value = openTo(state.data.picture, levels);
+  const wheel = (event: WheelEvent): void => {
+    if (!event.ctrlKey) return;
+    event.preventDefault();
+    zoom(event.deltaY < 0 ? 1.1 : 1 / 1.1);
   };
+  const name = label ?? "Graph";
   return (
     <div class="graph">
-      <div class="tools" role="toolbar" aria-label="Graph">
+      <div class="tools" role="toolbar" aria-label={name}>
         <span>Open</span>
-        <button type="button" onClick={() => depth(0)}>nothing</button>
-        <button type="button" onClick={() => depth(1)}>one level</button>
-        <button type="button" onClick={() => depth(2)}>two levels</button>
-        <button type="button" onClick={() => depth(99)}>all</button>
+        <button type="button" onClick={() => choices.openDepth(0)}>nothing</button>
+        <button type="button" onClick={() => choices.openDepth(1)}>one level</button>
+        <button type="button" onClick={() => choices.openDepth(2)}>two levels</button>
+        <button type="button" onClick={() => choices.openDepth(99)}>all</button>
         <span class="gap" />
-        <label>
-          <input
-            type="radio"
-            name="shown"
-            checked={state.shown.value === "reduction"}
-            onChange={() => (state.shown.value = "reduction")}
-          />
-          the reduction
-        </label>
-        <label>
-          <input
-            type="radio"
-            name="shown"
-            checked={state.shown.value === "threshold"}
-            onChange={() => (state.shown.value = "threshold")}
-          />
-          what the threshold keeps
-        </label>
+        <button type="button" aria-label="Smaller" title="Smaller (-)" onClick={() => zoom(1 / STEP)}>−</button>
+        <button type="button" title="The whole graph (f)" data-fit onClick={() => (scale.value = "fit")}>fit</button>
+        <button type="button" title="Letters at their usual size" onClick={() => (scale.value = null)}>readable</button>
+        <button type="button" aria-label="Larger" title="Larger (+)" onClick={() => zoom(STEP)}>+</button>
+        <span class="gap" />
+        <button type="button" onClick={() => void savePicture(svgNow(), choices.picture.name, "svg")}>SVG</button>
+        <button type="button" onClick={() => void savePicture(svgNow(), choices.picture.name, "png")}>PNG</button>
+        {children}
       </div>
-      <div class="page" ref={page} onClick={chosen} onKeyDown={typed} />
+      <div class={grows === true ? "page grows" : "page"} ref={page} onClick={chosen} onKeyDown={typed} onWheel={wheel} />
     </div>
   );
 }
 
-function rowsBelow(state: State): Set<string> {
-  return new Set(state.rows.value.slice(state.kept.value).map((row) => row.path));
+/** How large a drawing is shown: letters stay readable, and a wide drawing is scrolled, unless the reader wants all of it. */
+function scaleOf(wanted: number | "fit" | null, svg: SVGSVGElement, page: HTMLElement): number {
+  if (typeof wanted === "number") return wanted;
+  const { width, height } = svg.viewBox.baseVal;
+  const room = page.matches(".grows") ? innerHeight * 0.78 : page.clientHeight - 2;
+  const wide = Math.min((page.clientWidth - 2) / width, LARGEST);
+  const fit = Math.min(wide, room / height);
+  return wanted === "fit" ? fit : Math.max(READABLE, page.matches(".grows") ? wide : fit);
+}
+
+/** The group that a key on a thing opens or closes: a group itself, or the one around an element. */
+function groupOf(picture: Picture, path: string): string {
+  return picture.nodes.find((node) => node.path === path)?.group ?? path;
 }
 
 /** The picture as if nothing had been removed. */
-function withoutRemovals(picture: Picture): Picture {
+export function withoutRemovals(picture: Picture): Picture {
   return {
     ...picture,
     nodes: picture.nodes.map(({ gone: _gone, ...node }) => node),
@@ -128,12 +201,4 @@ function refreshed(layout: Layout, visible: ReturnType<typeof fold>): Layout {
     }),
     bonds: layout.bonds.map((line) => ({ ...line, shown: bonds.get(line.shown.bond.name) ?? line.shown })),
   };
-}
-
-function mark(page: HTMLElement, selected: string | null): void {
-  for (const old of page.querySelectorAll(".chosen")) old.classList.remove("chosen");
-  if (selected === null) return;
-  for (const node of page.querySelectorAll(`[data-id="${CSS.escape(selected)}"], [data-row="${CSS.escape(selected)}"]`)) {
-    node.classList.add("chosen");
-  }
 }

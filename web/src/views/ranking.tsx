@@ -3,8 +3,9 @@
 import { useRef } from "preact/hooks";
 import { activityColour, LEAST, level } from "../graph/notation.ts";
 import { keptBy } from "./data.ts";
-import { percent, significant } from "./format.ts";
-import type { State } from "./state.ts";
+import { instant, percent, significant } from "./format.ts";
+import { csvOf, saveCsv } from "./saving.ts";
+import type { Lock, RankingState } from "./state.ts";
 
 const WIDTH = 900;
 const HEIGHT = 230;
@@ -13,11 +14,18 @@ const RIGHT = 46;
 const TOP = 12;
 const BOTTOM = 24;
 
-export function RankingView({ state }: { state: State }) {
+interface RankingProps {
+  readonly state: RankingState;
+  /** Whether rows can be made to stay or to go; otherwise the table tells what was decided. */
+  readonly canLock?: boolean;
+}
+
+export function RankingView({ state, canLock }: RankingProps) {
   const rows = state.rows.value;
   const total = rows.reduce((sum, row) => sum + row.activity, 0);
-  const kept = state.kept.value;
-  const share = kept === 0 ? 0 : (rows[kept - 1]?.cumulative ?? 0);
+  const staying = state.staying.value;
+  const kept = staying.size;
+  const share = rows.reduce((sum, row) => sum + (staying.has(row.path) ? row.index : 0), 0);
   return (
     <div class="ranking">
       <div class="tools">
@@ -29,29 +37,28 @@ export function RankingView({ state }: { state: State }) {
           max="1"
           step="any"
           value={toSlider(state.threshold.value)}
-          onInput={(event) => change(state, fromSlider(Number(event.currentTarget.value)))}
+          onInput={(event) => state.setThreshold(fromSlider(Number(event.currentTarget.value)))}
           onKeyDown={(event) => step(event, state)}
         />
-        <output for="threshold" data-kept={kept}>
+        <output for="threshold" data-kept={kept} data-threshold={state.kept.value}>
           {percent(state.threshold.value, 2)} keeps {kept} of {rows.length} elements, {percent(share, 2)} of{" "}
           {significant(total, "J")}
         </output>
       </div>
       <Window state={state} />
       <Bars state={state} />
-      <Table state={state} />
+      <Table state={state} canLock={canLock === true} />
     </div>
   );
 }
 
 /** The part of the run that is ranked: a short manoeuvre must not be lost in a long mission. */
-function Window({ state }: { state: State }) {
+function Window({ state }: { state: RankingState }) {
   const last = state.times.length - 1;
   const [from, to] = state.window.value ?? [0, last];
-  const time = (place: number): string => `${Number((state.times[place] ?? 0).toPrecision(6))} s`;
-  const move = (first: number, second: number): void => {
-    state.window.value = first === 0 && second === last ? null : [Math.min(first, second - 1), Math.max(second, first + 1)];
-  };
+  const time = (place: number): string => instant(state.times[place] ?? 0);
+  const move = (first: number, second: number): void =>
+    state.setWindow([Math.min(first, second - 1), Math.max(second, first + 1)]);
   return (
     <div class="tools window">
       <label for="from">ranked from</label>
@@ -61,7 +68,7 @@ function Window({ state }: { state: State }) {
       <output for="from to">
         {time(from)} to {time(to)}
       </output>
-      <button type="button" disabled={state.window.value === null} onClick={() => (state.window.value = null)}>whole run</button>
+      <button type="button" disabled={state.window.value === null} onClick={() => state.setWindow(null)}>whole run</button>
     </div>
   );
 }
@@ -70,13 +77,8 @@ function Window({ state }: { state: State }) {
 const toSlider = (threshold: number): number => 1 - Math.sqrt(1 - threshold);
 const fromSlider = (place: number): number => Math.round((1 - (1 - place) ** 2) * 1e5) / 1e5;
 
-function change(state: State, threshold: number): void {
-  state.threshold.value = Math.min(1, Math.max(0, threshold));
-  state.shown.value = "threshold";
-}
-
 /** Arrow keys move by one element. */
-function step(event: KeyboardEvent, state: State): void {
+function step(event: KeyboardEvent, state: RankingState): void {
   const by = event.key === "ArrowRight" || event.key === "ArrowUp" ? 1 : event.key === "ArrowLeft" || event.key === "ArrowDown" ? -1 : 0;
   if (by === 0) return;
   event.preventDefault();
@@ -85,15 +87,15 @@ function step(event: KeyboardEvent, state: State): void {
   for (let wanted = state.kept.value + by; wanted >= 0 && wanted <= rows.length; wanted += by) {
     const threshold = wanted === 0 ? 0 : wanted === rows.length ? 1 : (rows[wanted - 1]?.cumulative ?? 1);
     if (keptBy(rows, threshold) === state.kept.value) continue;
-    change(state, threshold);
+    state.setThreshold(threshold);
     return;
   }
 }
 
-function Bars({ state }: { state: State }) {
+function Bars({ state }: { state: RankingState }) {
   const svg = useRef<SVGSVGElement>(null);
   const rows = state.rows.value;
-  const kept = state.kept.value;
+  const staying = state.staying.value;
   const wide = (WIDTH - LEFT - RIGHT) / Math.max(1, rows.length);
   const high = HEIGHT - TOP - BOTTOM;
   const y = (part: number): number => TOP + high * (1 - part);
@@ -103,7 +105,7 @@ function Bars({ state }: { state: State }) {
     if (event.buttons === 0 || svg.current === null) return;
     const box = svg.current.getBoundingClientRect();
     const place = ((event.clientY - box.top) / box.height) * HEIGHT;
-    change(state, Math.round((1 - (place - TOP) / high) * 1e3) / 1e3);
+    state.setThreshold(Math.round((1 - (place - TOP) / high) * 1e3) / 1e3);
   };
   const decades = Array.from({ length: Math.round(-Math.log10(LEAST)) + 1 }, (_, i) => 10 ** -i);
   return (
@@ -118,18 +120,18 @@ function Bars({ state }: { state: State }) {
         <text key={part} class="axis" x={WIDTH - RIGHT + 6} y={y(part) + 4}>{percent(part, 0)}</text>
       ))}
       {rows.map((row, i) => {
-        const chosen = state.selected.value === row.path;
+        const chosen = state.graph.selected.value === row.path;
         return (
           <rect
             key={row.path}
-            class={`bar ${i < kept ? "" : "below"} ${chosen ? "chosen" : ""}`}
+            class={`bar ${staying.has(row.path) ? "" : "below"} ${chosen ? "chosen" : ""}`}
             data-row={row.path}
             x={LEFT + wide * i + 0.5}
             width={Math.max(1, wide - 1)}
             y={y(level(row.index))}
             height={Math.max(0.5, high * level(row.index))}
-            fill={i < kept ? activityColour(row.index) : "none"}
-            onClick={() => choose(state, row.path)}
+            fill={staying.has(row.path) ? activityColour(row.index) : "none"}
+            onClick={() => state.graph.show(row.path)}
           >
             <title>{`${i + 1}. ${row.path}: ${percent(row.index, 3)}, together ${percent(row.cumulative, 2)}`}</title>
           </rect>
@@ -145,53 +147,82 @@ function Bars({ state }: { state: State }) {
   );
 }
 
-function Table({ state }: { state: State }) {
-  const kept = state.kept.value;
+function Table({ state, canLock }: { state: RankingState; canLock: boolean }) {
+  const place = useRef<HTMLTableElement>(null);
+  const staying = state.staying.value;
+  const isReduced = state.data.rows.some((row) => row.reason !== "" || row.verdict !== "kept");
   return (
-    <div class="scroll" tabIndex={0} role="region" aria-label="Ranking">
-      <table>
-        <thead>
-          <tr>
-            <th>rank</th>
-            <th>element</th>
-            <th>kind</th>
-            <th class="number">activity</th>
-            <th class="number">index</th>
-            <th class="number">sum</th>
-            <th>threshold</th>
-            <th>decision</th>
-            <th>because</th>
-          </tr>
-        </thead>
-        <tbody>
-          {state.rows.value.map((row, i) => (
-            <tr
-              key={row.path}
-              data-row={row.path}
-              data-activity={row.activity}
-              class={`${i < kept ? "" : "below"} ${state.selected.value === row.path ? "chosen" : ""}`}
-              onClick={() => choose(state, row.path)}
-            >
-              <td class="number">{i + 1}</td>
-              <td>
-                <button type="button" class="plain" onClick={() => choose(state, row.path)}>{row.path}</button>
-              </td>
-              <td>{row.kind}</td>
-              <td class="number">{significant(row.activity, "J")}</td>
-              <td class="number">{percent(row.index, 3)}</td>
-              <td class="number">{percent(row.cumulative, 2)}</td>
-              <td>{i < kept ? "keeps" : "below"}</td>
-              <td class={row.verdict}>{row.verdict}</td>
-              <td>{row.meaning === "" ? row.reason : `${row.meaning}: ${row.reason}`}</td>
+    <>
+      <div class="scroll" tabIndex={0} role="region" aria-label="Ranking">
+        <table ref={place}>
+          <thead>
+            <tr>
+              <th>rank</th>
+              <th>element</th>
+              <th>kind</th>
+              <th class="number">activity</th>
+              <th class="number">index</th>
+              <th class="number">sum</th>
+              <th>threshold</th>
+              {canLock && <th>lock</th>}
+              {isReduced && <th>decision</th>}
+              {isReduced && <th>because</th>}
             </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+          </thead>
+          <tbody>
+            {state.rows.value.map((row, i) => (
+              <tr
+                key={row.path}
+                data-row={row.path}
+                data-activity={row.activity}
+                class={`${staying.has(row.path) ? "" : "below"} ${state.graph.selected.value === row.path ? "chosen" : ""}`}
+                onClick={() => state.graph.show(row.path)}
+              >
+                <td class="number">{i + 1}</td>
+                <td>
+                  <button type="button" class="plain" onClick={() => state.graph.show(row.path)}>{row.path}</button>
+                </td>
+                <td>{row.kind}</td>
+                <td class="number" data-value={row.activity}>{significant(row.activity, "J")}</td>
+                <td class="number" data-value={row.index}>{percent(row.index, 3)}</td>
+                <td class="number" data-value={row.cumulative}>{percent(row.cumulative, 2)}</td>
+                <td>{i < state.kept.value ? "keeps" : "below"}</td>
+                {canLock && <Locks state={state} row={row.path} />}
+                {isReduced && <td class={row.verdict}>{row.verdict}</td>}
+                {isReduced && <td>{row.meaning === "" ? row.reason : `${row.meaning}: ${row.reason}`}</td>}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+      <div class="tools below-table">
+        <button type="button" onClick={() => place.current !== null && saveCsv(csvOf(place.current), `activity of ${state.data.model}`)}>CSV</button>
+      </div>
+    </>
   );
 }
 
-function choose(state: State, path: string): void {
-  state.selected.value = path;
-  state.reveal(path);
+/** Make a row stay or go at every threshold; the same again leaves it to the threshold. */
+function Locks({ state, row }: { state: RankingState; row: string }) {
+  const now = state.locks.value.get(row);
+  const one = (lock: Lock, words: string) => (
+    <button
+      type="button"
+      class="lock"
+      aria-pressed={now === lock}
+      aria-label={`${words} ${row} at every threshold`}
+      onClick={(event) => {
+        event.stopPropagation();
+        state.lock(row, now === lock ? null : lock);
+      }}
+    >
+      {words}
+    </button>
+  );
+  return (
+    <td class="locks">
+      {one("keep", "keep")}
+      {one("go", "drop")}
+    </td>
+  );
 }

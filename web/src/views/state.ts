@@ -1,61 +1,107 @@
-/** What the reader has chosen: one selection and one threshold for all views; the address of the page holds them. */
+/** A ranking as the reader looks at it: part of the run, threshold, and rows that are to stay or to go whatever their activity. */
 
-import { computed, effect, signal } from "@preact/signals";
-import { openTo } from "../graph/fold.ts";
-import type { Theme } from "../graph/notation.ts";
-import { exactNumbers, keptBy, rankedWithin, type StudyData } from "./data.ts";
+import { computed } from "@preact/signals";
+import type { Address } from "./address.ts";
+import { GraphChoices } from "./choices.ts";
+import { exactNumbers, keptBy, rankedWithin, type RankingData } from "./data.ts";
 
 /** What fills and dashes of the graph show: what the threshold would keep, or the reduction that was made. */
 export type Shown = "threshold" | "reduction";
 
-export class State {
+/** What the reader has said about a row. */
+export type Lock = "keep" | "go";
+
+export class RankingState {
+  readonly graph: GraphChoices;
   readonly threshold;
-  readonly selected = signal<string | null>(null);
-  readonly open;
-  readonly shown = signal<Shown>("reduction");
-  readonly theme = signal<Theme>(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  readonly shown;
   /** The part of the run that is ranked, as places among the instants at which activity was kept. */
-  readonly window = signal<readonly [number, number] | null>(null);
+  readonly window;
   readonly times: Float64Array;
   readonly rows;
+  /** How many rows the threshold keeps, from the top. */
   readonly kept;
+  readonly locks;
+  /** The paths of rows that stay: by the threshold, or because the reader said so. */
+  readonly staying;
+  /** The paths of the others. */
+  readonly below;
+  private readonly activities: ReadonlyMap<string, Float64Array>;
 
-  constructor(readonly data: StudyData) {
-    this.threshold = signal(data.threshold);
-    this.open = signal<ReadonlySet<string>>(openTo(data.picture, 1));
+  constructor(
+    readonly data: RankingData,
+    readonly address: Address,
+    usual: Shown,
+  ) {
+    this.graph = new GraphChoices(data.picture, address);
     this.times = exactNumbers(data.windows.times);
-    const activities = new Map(Object.entries(data.windows.rows).map(([path, text]) => [path, exactNumbers(text)]));
+    this.activities = new Map(Object.entries(data.windows.rows).map(([path, text]) => [path, exactNumbers(text)]));
+    this.threshold = computed(() => {
+      const found = Number(address.word("threshold"));
+      return address.word("threshold") !== null && found >= 0 && found <= 1 ? found : data.threshold;
+    });
+    this.shown = computed<Shown>(() => {
+      const found = address.word("shown");
+      return found === "threshold" || found === "reduction" ? found : usual;
+    });
+    const words = computed(() => [address.word("from"), address.word("to")].join(" "));
+    this.window = computed<readonly [number, number] | null>(() => {
+      const [from, to] = words.value.split(" ");
+      if (from === "" || to === "" || from === undefined || to === undefined) return null;
+      const [first, last] = [this.placeOf(Number(from)), this.placeOf(Number(to))];
+      return first < last ? [first, last] : null;
+    });
     this.rows = computed(() => {
       const window = this.window.value;
-      return window === null ? data.rows : rankedWithin(data.rows, activities, ...window);
+      return window === null ? data.rows : rankedWithin(data.rows, this.activities, ...window);
     });
     this.kept = computed(() => keptBy(this.rows.value, this.threshold.value));
-    this.read();
-    effect(() => this.write());
-    addEventListener("hashchange", () => this.read());
-    effect(() => {
-      document.documentElement.dataset.theme = this.theme.value;
+    const said = computed(() => JSON.stringify([address.all("keep"), address.all("go")]));
+    this.locks = computed<ReadonlyMap<string, Lock>>(() => {
+      const [keep, go] = JSON.parse(said.value) as [string[], string[]];
+      return new Map([...keep.map((path) => [path, "keep"] as const), ...go.map((path) => [path, "go"] as const)]);
+    });
+    this.staying = computed<ReadonlySet<string>>(() => {
+      const locks = this.locks.value;
+      const kept = this.kept.value;
+      const stays = (path: string, place: number): boolean => (locks.has(path) ? locks.get(path) === "keep" : place < kept);
+      return new Set(this.rows.value.map((row) => row.path).filter(stays));
+    });
+    this.below = computed<ReadonlySet<string>>(
+      () => new Set(this.rows.value.map((row) => row.path).filter((path) => !this.staying.value.has(path))),
+    );
+  }
+
+  /** The activity of a row since the start, J, at `times`. */
+  activityOf(row: string): Float64Array | undefined {
+    return this.activities.get(row);
+  }
+
+  setThreshold(threshold: number): void {
+    const value = Math.min(1, Math.max(0, threshold));
+    this.address.write({ threshold: value === this.data.threshold ? null : String(value), shown: "threshold" });
+  }
+
+  setShown(shown: Shown): void {
+    this.address.write({ shown });
+  }
+
+  setWindow(window: readonly [number, number] | null): void {
+    const last = this.times.length - 1;
+    const isWhole = window === null || (window[0] === 0 && window[1] === last);
+    this.address.write({
+      from: isWhole ? null : String(this.times[window[0]]),
+      to: isWhole ? null : String(this.times[window[1]]),
     });
   }
 
-  /** Open a closed group, or close an open one with all that is in it. */
-  toggle(group: string): void {
-    const open = new Set(this.open.value);
-    if (open.has(group)) {
-      for (const path of [...open]) if (path === group || path.startsWith(`${group}.`)) open.delete(path);
-      if (group === "") open.add("");
-    } else open.add(group);
-    this.open.value = open;
-  }
-
-  /** Open all groups around a thing, so that it is visible. */
-  reveal(path: string): void {
-    const node = this.data.picture.nodes.find((found) => found.path === path || found.row === path);
-    if (node === undefined) return;
-    const open = new Set(this.open.value);
-    const parents = new Map(this.data.picture.groups.map((group) => [group.path, group.parent]));
-    for (let at = node.group; at !== ""; at = parents.get(at) ?? "") open.add(at);
-    if (open.size !== this.open.value.size) this.open.value = open;
+  /** Say that a row stays, or goes, or is left to the threshold again. */
+  lock(row: string, lock: Lock | null): void {
+    const without = (name: Lock): string[] => this.address.all(name).filter((path) => path !== row);
+    this.address.write({
+      keep: [...without("keep"), ...(lock === "keep" ? [row] : [])],
+      go: [...without("go"), ...(lock === "go" ? [row] : [])],
+    });
   }
 
   /** The instant next to a time. */
@@ -65,45 +111,5 @@ export class State {
       if (Math.abs(at - time) < Math.abs((this.times[best] ?? 0) - time)) best = i;
     });
     return best;
-  }
-
-  private read(): void {
-    const words = new URLSearchParams(location.hash.slice(1));
-    const threshold = Number(words.get("threshold"));
-    if (words.has("threshold") && threshold >= 0 && threshold <= 1) this.threshold.value = threshold;
-    if (words.get("shown") === "threshold" || words.get("shown") === "reduction") {
-      this.shown.value = words.get("shown") as Shown;
-    }
-    const from = words.get("from");
-    const to = words.get("to");
-    if (from !== null && to !== null) {
-      const [first, last] = [this.placeOf(Number(from)), this.placeOf(Number(to))];
-      if (first < last) this.window.value = [first, last];
-    }
-    if (words.has("selected")) this.selected.value = words.get("selected");
-    const open = words.get("open");
-    if (open !== null) {
-      const known = new Set(this.data.picture.groups.map((group) => group.path));
-      this.open.value = new Set(["", ...open.split(",").filter((path) => known.has(path))]);
-    }
-  }
-
-  private write(): void {
-    const words = new URLSearchParams();
-    if (this.threshold.value !== this.data.threshold) words.set("threshold", String(this.threshold.value));
-    if (this.shown.value !== "reduction") words.set("shown", this.shown.value);
-    const window = this.window.value;
-    if (window !== null) {
-      words.set("from", String(this.times[window[0]]));
-      words.set("to", String(this.times[window[1]]));
-    }
-    if (this.selected.value !== null) words.set("selected", this.selected.value);
-    const usual = openTo(this.data.picture, 1);
-    const open = this.open.value;
-    if (open.size !== usual.size || [...usual].some((path) => !open.has(path))) {
-      words.set("open", [...open].filter((path) => path !== "").join(","));
-    }
-    const hash = words.toString();
-    if (hash !== location.hash.slice(1)) history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
   }
 }
