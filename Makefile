@@ -49,7 +49,7 @@ test: $(STAMP)
 # Users need no Node: what is built is committed, and must be what its sources give.
 test-browser: $(STAMP)
 	cd web && npm ci --no-audit --no-fund && npm run check && npm run test && npm run build
-	git diff --exit-code --stat -- src/propermodel/drawing/assets src/propermodel/report/assets
+	git diff --exit-code --stat -- src/propermodel/drawing/assets src/propermodel/report/assets src/propermodel/studio/assets
 	$(BIN)/python -m tests.browser.pages
 	cd web && npm run browser
 

@@ -15,6 +15,7 @@ const withLayoutEngine = {
 const BUILDS = {
   drawing: { entry: "src/static.ts", outDir: `${PACKAGE}/drawing/assets`, minify: false },
   report: { entry: "src/report.tsx", outDir: `${PACKAGE}/report/assets`, minify: true },
+  studio: { entry: "src/studio.tsx", outDir: `${PACKAGE}/studio/assets`, minify: true },
 } as const;
 
 // What is built is committed with the Python package, so its users need no Node.

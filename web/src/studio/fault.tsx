@@ -1,0 +1,48 @@
+/** An error for its reader: what is wrong, where, with whom, and what usually helps. */
+
+import type { ComponentChildren } from "preact";
+import { ServerError } from "./client.ts";
+import type { Resource } from "./resource.ts";
+
+interface FaultProps {
+  readonly error: unknown;
+  readonly onElement?: (path: string) => void;
+}
+
+export function FaultView({ error, onElement }: FaultProps) {
+  if (!(error instanceof ServerError)) {
+    const text = error instanceof Error ? error.message : String(error);
+    return <div class="fault-box" role="alert"><p class="what">{text}</p></div>;
+  }
+  const { message, place, elements, help, code } = error.fault;
+  return (
+    <div class="fault-box" role="alert">
+      <p class="what">{message}</p>
+      {place !== "" && <p class="place">{place}</p>}
+      {elements.length > 0 && (
+        <ul>
+          {elements.map((path) => (
+            <li key={path}>
+              {onElement === undefined ? path : <button type="button" class="plain link" onClick={() => onElement(path)}>{path}</button>}
+            </li>
+          ))}
+        </ul>
+      )}
+      {help !== "" && <p class="help">{help}</p>}
+      <p class="code">{code}</p>
+    </div>
+  );
+}
+
+interface WhenProps<T> {
+  readonly resource: Resource<T>;
+  readonly waiting: string;
+  readonly children: (value: T) => ComponentChildren;
+}
+
+/** What is shown of a resource: itself, that it is awaited, or why it is not there. */
+export function When<T>({ resource, waiting, children }: WhenProps<T>) {
+  if (resource.state === "waiting") return <p class="waiting" role="status">{waiting}</p>;
+  if (resource.state === "failed") return <FaultView error={resource.error} />;
+  return <>{children(resource.value)}</>;
+}
