@@ -104,6 +104,12 @@ CASES = (
         names=("nowhere/model.json", "No such file"),
         cure="path",
     ),
+    Case(
+        code="document/file",
+        run=lambda: pm.read_certificate("docs"),
+        names=("docs/certificate.json", "no certificate in 'docs'"),
+        cure="propermodel reduce",
+    ),
     Case(code="document/size", run=too_large, names=("model.json", str(LIMITS.file_bytes)), cure="file_bytes"),
     Case(code="document/limit", run=lambda: read("[" * 100), names=("model.json", "line 1"), cure="depth"),
     Case(

@@ -10,7 +10,12 @@ import typer
 
 def report(
     certificate: Annotated[str, typer.Argument(help="A certificate, or the folder of a reduction.", metavar="FILE")],
-    output: Annotated[FilePath, typer.Option("-o", "--output", help="The HTML file to write.", metavar="FILE")],
+    output: Annotated[
+        FilePath | None,
+        typer.Option(
+            "-o", "--output", help="The HTML file to write; by default report.html beside it.", metavar="FILE"
+        ),
+    ] = None,
 ) -> None:
     """Run a reduced model beside the full one again, and write what there is to know of it as one page."""
     from propermodel.reduction.certificate_files import read_certificate
@@ -18,7 +23,8 @@ def report(
     from propermodel.report.page_data import page_data, subject_of_certified
 
     given = FilePath(certificate)
-    certified = read_certificate(given / "certificate.json" if given.is_dir() else given)
-    output.parent.mkdir(parents=True, exist_ok=True)
-    write_page(page_data(subject_of_certified(certified)), output)
-    typer.echo(f"{output.as_posix()}  {output.stat().st_size / 1e6:.1f} MB, needs nothing else")
+    certified = read_certificate(given)
+    page = output or (given if given.is_dir() else given.parent) / "report.html"
+    page.parent.mkdir(parents=True, exist_ok=True)
+    write_page(page_data(subject_of_certified(certified)), page)
+    typer.echo(f"{page.as_posix()}  {page.stat().st_size / 1e6:.1f} MB, needs nothing else")

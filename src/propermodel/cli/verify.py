@@ -12,7 +12,7 @@ from propermodel.cli.options import AsJson
 
 
 def verify(
-    certificate: Annotated[str, typer.Argument(help="A certificate, certificate.json.", metavar="FILE")],
+    certificate: Annotated[str, typer.Argument(help="A certificate, or the folder of a reduction.", metavar="FILE")],
     model: Annotated[
         str | None,
         typer.Option(

@@ -59,7 +59,7 @@ def read_certificate(
     """The certified model of a file, with the documents beside it.
 
     Args:
-        file: What `write_certificate` has written.
+        file: What `write_certificate` has written, or its folder.
         model: The full model, where it is not to be that of the file beside.
         scenarios: The scenarios, likewise.
         limits: What is read at most.
@@ -68,13 +68,14 @@ def read_certificate(
         DocumentError: a file cannot be read, is malformed, goes beyond a limit, or is no longer what it was when the
             certificate was written.
     """
+    file = _certificate_at(FilePath(file))
     try:
         certificate, files = from_certificate_document(
             parse_json(read_bytes(file, limits.file_bytes, "file_bytes"), limits), limits=limits
         )
     except DocumentError as error:
         raise of_file(error, file) from error
-    folder = FilePath(file).parent
+    folder = file.parent
     if model is None:
         model = read_model(_unchanged(folder, files.full_model, limits), limits=limits)
         reduced = read_model(_unchanged(folder, files.reduced_model, limits), limits=limits)
@@ -96,6 +97,27 @@ def read_certificate(
             file,
         )
     return CertifiedModel(certificate=certificate, full=model, scenarios=tuple(given))
+
+
+def _certificate_at(given: FilePath) -> FilePath:
+    """The certificate that a path names: itself, or the one in that folder.
+
+    Raises:
+        DocumentError: there is none.
+    """
+    path = given / FILE if given.is_dir() else given
+    if not path.exists():
+        raise of_file(
+            DocumentError.of(
+                "document/file",
+                f"there is no certificate in '{given.as_posix()}'"
+                if given.is_dir()
+                else "there is no such certificate",
+                help=f"propermodel reduce MODEL --out FOLDER writes a {FILE}: give it, or its folder",
+            ),
+            path,
+        )
+    return path
 
 
 def _written(path: FilePath, value: Any, write: Callable[[Any, FileName], None]) -> FileBeside:
