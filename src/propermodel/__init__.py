@@ -99,6 +99,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.balance import EnergyBalance, energy_balance
     from propermodel.analysis.bond_ranking import BondRanking, rank_bonds
     from propermodel.analysis.comparison import Comparison, OutputError, compare
+    from propermodel.analysis.datum import measure_about
     from propermodel.analysis.linear_model import LinearModel
     from propermodel.analysis.linearise import linearise
     from propermodel.analysis.modes import Mode, Modes
@@ -206,6 +207,7 @@ _WHEN_USED = {
     "SizedModel": "reduction.methods.workbench",
     "rank_activity": "analysis.activity",
     "rank_bonds": "analysis.bond_ranking",
+    "measure_about": "analysis.datum",
     "BondRanking": "analysis.bond_ranking",
     "rank_recorded": "analysis.recorded",
     "RecordedElement": "analysis.recorded",
@@ -352,6 +354,7 @@ __all__ = [
     # activity and energy
     "rank_activity",
     "rank_bonds",
+    "measure_about",
     "rank_recorded",
     "RecordedElement",
     "ActivityRanking",

@@ -32,7 +32,7 @@ from propermodel.equations.events import SystemEvent
 from propermodel.equations.formulate import formulate
 from propermodel.equations.impulsive import impulsive_sources
 from propermodel.equations.state_selection import select_states
-from propermodel.equations.system import EquationSystem
+from propermodel.equations.system import EquationSystem, StorageDatum
 from propermodel.modelling.documents import from_document, to_document
 from propermodel.modelling.limits import Limits
 from propermodel.modelling.model import Model
@@ -115,6 +115,11 @@ class CompiledModel:
             self._variants[event] = CompiledModel(self.model, system, lower(system), self.backend, self.compile_s)
         return self._variants[event]
 
+    def about(self, datum: StorageDatum) -> CompiledModel:
+        """The same, where the activity of storage is measured about a datum, too."""
+        system = replace(self.system, datum=datum)
+        return CompiledModel(self.model, system, lower(system), self.backend, self.compile_s)
+
     def tangents(
         self, method: Method, directions: tuple[Direction, ...], signals: tuple[int, ...], powers: tuple[int, ...]
     ) -> CompiledTangents:
@@ -139,7 +144,7 @@ class CompiledModel:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process gets the document of the model, and compiles it once however often it gets it."""
-        return _compiled_there, (self._document, self.backend, len(self.system.events))
+        return _compiled_there, (self._document, self.backend, len(self.system.events), self.system.datum)
 
     def __str__(self) -> str:
         return str(self.system)
@@ -175,7 +180,7 @@ def compile_quietly(model: Model, *, backend: Backend = Backend.NATIVE) -> Compi
 
 
 @lru_cache(maxsize=4)
-def _compiled_there(document: str, backend: Backend, events: int) -> CompiledModel:
+def _compiled_there(document: str, backend: Backend, events: int, datum: StorageDatum | None) -> CompiledModel:
     """The compiled model of a document from another process of the same user.
 
     Raises:
@@ -185,7 +190,7 @@ def _compiled_there(document: str, backend: Backend, events: int) -> CompiledMod
     compiled = compile_quietly(from_document(json.loads(document), limits=own), backend=backend)
     if len(compiled.system.events) != events:
         raise ValueError(f"{compiled.model.name} with an event that its model does not have stays in its process")
-    return compiled
+    return compiled if datum is None else compiled.about(datum)
 
 
 @contextmanager

@@ -378,6 +378,7 @@ def test_pseudo_bonds_are_not_ranked_with_true_ones():
 
 def test_a_ranking_names_the_datums_its_numbers_depend_on():
     assert rank_activity(run(gas(), 0.1)).datums == (
+        "translation: velocity counts from the frame at rest, and with it what inertias take part in",
         "thermal: temperature counts from ambient, so heat counts by what could still do work",
     )
 

@@ -270,7 +270,7 @@ def test_rank_of_a_window_and_without_a_check():
 def test_rank_of_bonds_tells_their_shares_at_junctions():
     printed = succeed("rank", MODEL, "--step", "0.001", "--bonds", "--no-refine").splitlines()
     assert printed[2].split()[0] == "suspension.spring.difference_ring2.carried"
-    assert printed[-1] == "not checked with a smaller step"
+    assert "not checked with a smaller step" in printed
     report = json.loads(succeed("rank", MODEL, "--step", "0.001", "--bonds", "--json"))
     (road,) = (bond for bond in report["bonds"] if bond["kind"] == "Sf")
     assert list(road["relative"].values()) == [1.0]
@@ -279,6 +279,21 @@ def test_rank_of_bonds_tells_their_shares_at_junctions():
     lines = succeed("rank", MODEL, "--step", "0.001", "--bonds", "--no-refine", "--csv").splitlines()
     assert lines[0].startswith("rank,path,kind,domain,tail,head,activity_J,share")
     assert len(lines) == 1 + len(report["bonds"])
+
+
+def test_rank_measures_storage_about_a_point():
+    plain, about = (
+        json.loads(succeed("rank", MODEL, "--step", "0.001", "--no-refine", "--json", *more))
+        for more in ((), ("--about", "equilibrium"))
+    )
+    # At rest nothing in this car is loaded, so that nothing changes but what the ranking says of itself.
+    assert about["elements"] == plain["elements"]
+    assert about["datums"] == [*plain["datums"], "storage: measured about the equilibrium in scenario waves"]
+    printed = succeed(
+        "rank", MODEL, "--step", "0.001", "--no-refine", "--about", "start", "--about-of", "tyre", "--about-of", "body"
+    )
+    assert "datum of storage: measured about the start of scenario waves in tyre, body" in printed
+    assert "error[command/about]" in fail(2, "rank", MODEL, "--about-of", "tyre")
 
 
 def test_partition_tells_parts_and_cuts():

@@ -226,6 +226,12 @@ CASES = (
     ),
     Case(code="command/cache", run=unreadable_cache, names=("propermodel",), cure="PROPERMODEL_CACHE"),
     Case(
+        code="command/about",
+        run=command("rank", f"{RIG}:QuarterCar", "--about-of", "tyre"),
+        names=("--about-of",),
+        cure="--about equilibrium",
+    ),
+    Case(
         code="command/point",
         run=command("linearise", f"{RIG}:QuarterCar", "--at", "1", "--equilibrium"),
         names=("--at", "--equilibrium"),

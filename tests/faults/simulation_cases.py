@@ -520,6 +520,12 @@ CASES = (
     ),
     Case(code="activity/runs", run=lambda: rank_activity([]), names=("0 runs",), cure="at least one run"),
     Case(
+        code="activity/no-storage",
+        run=lambda: pm.measure_about(compile_model(elaborate(Quarter())), STEP, of=["bodi"]),
+        names=("bodi",),
+        cure="did you mean 'body'?",
+    ),
+    Case(
         code="activity/unknown-row",
         run=lambda: rank_activity(run()).row(pm.Path(("bdy",))),
         names=("bdy",),

@@ -15,6 +15,7 @@ from propermodel.analysis.ranking import (
     ranked_rows,
 )
 from propermodel.analysis.windows import KeptIntegrals, Window, Windows, windows_of
+from propermodel.codegen.lower import DEVIATION
 from propermodel.diagnostics import Path, ReductionError
 from propermodel.simulation.trajectory import Trajectory
 
@@ -31,6 +32,8 @@ def rank_activity(
     idle_below: float = IDLE_BELOW,
 ) -> ActivityRanking:
     """Rank the energy elements of a run, or of runs of several scenarios, by activity.
+
+    Runs of a model that `measure_about` has made rank storage about a point.
 
     Several runs, and the windows of a run, are ranked each by itself as well: rows are then sorted by their largest
     index, and `kept_by` keeps what any of them needs. Activities, indices and their sums are those of all runs
@@ -142,7 +145,7 @@ def _measure(
 
 def _among(integrals: KeptIntegrals, window: Window | None, rows: set[Path]) -> dict[Path, float]:
     return {
-        row.path: integrals.between(_entry(row.path, row.bonds), window)
+        row.path: integrals.between(_measured_entry(integrals.run, _entry(row.path, row.bonds)), window)
         for row in integrals.run.compiled.system.rows
         if row.path in rows
     }
@@ -151,6 +154,12 @@ def _among(integrals: KeptIntegrals, window: Window | None, rows: set[Path]) -> 
 def _entry(row: Path, bonds: tuple[Path, ...]) -> Path:
     """What has the power of a row: a group and a field count the power of all their bonds together."""
     return row if len(bonds) > 1 else next(iter(bonds))
+
+
+def _measured_entry(run: Trajectory, entry: Path) -> Path:
+    """The power by which a bond or row is ranked: about the datum, where the model has one for it."""
+    deviation = entry / DEVIATION
+    return deviation if deviation in run.compiled.lowered.power_places else entry
 
 
 # -- several runs ------------------------------------------------------------------------------------------
@@ -167,7 +176,10 @@ def _contents(runs: Sequence[Trajectory], window: Window | None, rows: set[Path]
             path=row.path,
             kind=row.kind,
             elements=row.elements,
-            ports=tuple((bond, sum(kept.between(bond, window) for kept in integrals)) for bond in row.bonds),
+            ports=tuple(
+                (bond, sum(kept.between(_measured_entry(kept.run, bond), window) for kept in integrals))
+                for bond in row.bonds
+            ),
         )
         for row in runs[0].compiled.system.rows
         if row.path in rows
@@ -181,7 +193,9 @@ def _listed(names: Sequence[str], most: int = 5) -> str:
 
 def datums_of(run: Trajectory) -> tuple[str, ...]:
     """What the numbers of a run count from."""
-    return tuple(f"{d.name}: {d.datum}" for d in run.compiled.graph.domains.values() if d.datum)
+    system = run.compiled.system
+    domains = [f"{d.name}: {d.datum}" for d in run.compiled.graph.domains.values() if d.datum]
+    return (*domains, *([] if system.datum is None else [f"storage: measured about the {system.datum.point}"]))
 
 
 def _rows_among(trajectory: Trajectory, among: str | None) -> set[Path]:

@@ -48,7 +48,7 @@ def linearise(
     Raises:
         SimulationError: a name is unknown, the run does not reach the instant, or the derivatives do not exist there.
     """
-    memory, description = _memory(compiled, at, time)
+    memory, description = operating_point(compiled, at, time)
     opened = open_inputs(compiled, memory, inputs)
     point = Point(opened.system, opened.lowered, opened.memory, from_above=True)
     system = opened.system
@@ -135,7 +135,14 @@ def _check_finite(matrix: FloatArray, rows: Sequence[Path], time: float) -> None
 # -- the operating point -----------------------------------------------------------------------------------
 
 
-def _memory(compiled: CompiledModel, at: Scenario | Trajectory | Equilibrium, time: float | None) -> tuple[Memory, str]:
+def operating_point(
+    compiled: CompiledModel, at: Scenario | Trajectory | Equilibrium, time: float | None
+) -> tuple[Memory, str]:
+    """The memory of a model at the start of a scenario, an instant of a run or an equilibrium, and where that is.
+
+    Raises:
+        SimulationError: it belongs to another compiled model, or the run does not reach the instant.
+    """
     if isinstance(at, Scenario):
         if time is not None and time != at.start:
             raise SimulationError.of(

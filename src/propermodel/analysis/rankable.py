@@ -43,7 +43,18 @@ def check_runs(runs: Sequence[Trajectory], refined: Sequence[Trajectory], among:
                 f"{run.compiled.model.name}",
                 help="rank runs of one model together, and others apart",
             )
+        if run.compiled.system.datum != runs[0].compiled.system.datum:
+            raise ReductionError.of(
+                "activity/runs",
+                f"the runs measure storage about different points: {_point(runs[0])} and {_point(run)}",
+                help="measure all about one point: simulate what one measure_about(...) gives",
+            )
     _check_bonds(runs[0], among)
+
+
+def _point(run: Trajectory) -> str:
+    datum = run.compiled.system.datum
+    return "none" if datum is None else datum.point
 
 
 def _check_complete(trajectory: Trajectory, name: str) -> None:

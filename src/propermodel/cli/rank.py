@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from enum import StrEnum
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from propermodel.cli.faults import CommandError
 from propermodel.cli.options import (
     AsJson,
     JacobianOption,
@@ -24,7 +26,16 @@ from propermodel.cli.rank_windows import parse_windows
 
 if TYPE_CHECKING:
     from propermodel.analysis.ranking import ActivityRanking
+    from propermodel.cli.models import Subject
+    from propermodel.compiler import CompiledModel
     from propermodel.reduction.prediction import Prediction
+
+
+class Point(StrEnum):
+    """About what storage is measured."""
+
+    EQUILIBRIUM = "equilibrium"  # of the first scenario
+    START = "start"
 
 
 def rank(
@@ -70,6 +81,14 @@ def rank(
         bool,
         typer.Option("--refine/--no-refine", help="Check with a run at half the step, or a tenth of the tolerance."),
     ] = True,
+    about: Annotated[
+        Point | None,
+        typer.Option(help="Measure storage about this point: a spring that carries a weight counts by how it moves."),
+    ] = None,
+    of: Annotated[
+        list[str] | None,
+        typer.Option("--about-of", help="Only storage of this part or element; may be given again.", metavar="PATH"),
+    ] = None,
     bonds: Annotated[
         bool,
         typer.Option("--bonds", help="Rank every bond, and each among those of its junctions; tell idle junctions."),
@@ -107,7 +126,7 @@ def rank(
         )
         for name in (scenario or [None])
     ]
-    compiled = compile_model(subjects[0].model)
+    compiled = _measured(compile_model(subjects[0].model), subjects[0], about, of)
     found = runs_of(compiled, subjects, window, wanted, refine)
     if bonds:
         from propermodel.cli.rank_bonds import show_bonds
@@ -117,6 +136,22 @@ def rank(
     ranking = rank_activity(found.runs, refined=found.refined, window=window, windows=wanted)
     prediction = predict_errors(found.runs[0], map(parse_path, output)) if output else None
     _show(ranking, threshold, prediction, {"model": compiled.model.name}, as_json, as_csv)
+
+
+def _measured(compiled: CompiledModel, subject: Subject, about: Point | None, of: list[str] | None) -> CompiledModel:
+    """The model that measures storage about a point, where one is asked for."""
+    if about is None and of:
+        raise CommandError.of(
+            "command/about", "--about-of needs a point", help="say about what: --about equilibrium, or --about start"
+        )
+    if about is None:
+        return compiled
+    from propermodel.analysis.datum import measure_about
+    from propermodel.simulation.equilibrium import find_equilibrium
+
+    scenario = subject.scenario
+    at = scenario if about is Point.START else find_equilibrium(compiled, scenario)
+    return measure_about(compiled, at, of=of or None)
 
 
 def _show(

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propermodel.bondgraph.graph import BondGraph, SampledController, Variables
+from propermodel.bondgraph.graph import Bond, BondGraph, SampledController, Variables
 from propermodel.bondgraph.pseudo import pseudo_elements
 from propermodel.codegen.program import (
     Array,
@@ -26,7 +26,15 @@ from propermodel.codegen.program import (
 from propermodel.diagnostics import Path
 from propermodel.equations.at_places import sign_at
 from propermodel.equations.corrections import Correction, corrections_of
-from propermodel.equations.system import EquationSystem, Impacts, ImplicitBlock, StateKind, Switching
+from propermodel.equations.system import (
+    EquationSystem,
+    Impacts,
+    ImplicitBlock,
+    Row,
+    StateKind,
+    StorageReference,
+    Switching,
+)
 from propermodel.expressions.core import (
     ONE,
     TIME,
@@ -42,14 +50,18 @@ from propermodel.expressions.core import (
 from propermodel.modelling.model import Variable
 
 IndexArray = NDArray[np.int64]
+DEVIATION = "deviation"  # the kind of a power about a datum, and the last name of its path
 
 
 @dataclass(frozen=True)
 class PowerEntry:
-    """One entry of the power array: a bond, a row of several bonds, or a table (time spent outside it)."""
+    """One entry of the power array: a bond, a row of several bonds, or a table (time spent outside it).
+
+    Entries about a datum stand beside those of their bond or row, under its path and `deviation`.
+    """
 
     path: Path
-    kind: str  # "bond", "row", "modulation" or "outside"
+    kind: str  # "bond", "row", "modulation", "deviation" or "outside"
     value: Expr
 
 
@@ -111,7 +123,7 @@ def lower(system: EquationSystem) -> Lowered:
     graph = system.causal.graph
     variables = graph.variables
     modulations = (PowerEntry(m.element / "modulation", "modulation", m.power) for m in system.modulations)
-    powers = (*_bond_powers(system, variables), *_row_powers(system, variables), *modulations)
+    powers = (*_bond_powers(system, variables), *_row_powers(system, variables), *modulations, *_deviations(system))
     observables, signals = _signals(system)
     roots = [state.derivative for state in system.states]
     roots += [e.value for e in powers] + signals
@@ -301,33 +313,54 @@ def _solve(block: ImplicitBlock | Correction | Impacts) -> Solve:
 
 
 def _bond_powers(system: EquationSystem, variables: Variables) -> tuple[PowerEntry, ...]:
-    graph = system.causal.graph
-    return tuple(
-        PowerEntry(
-            bond.name,
-            "bond",
-            system.values[variables.of(bond, Variable.EFFORT)] * system.values[variables.of(bond, Variable.FLOW)],
-        )
-        for bond in graph.normal.bonds.values()
-    )
+    bonds = system.causal.graph.normal.bonds.values()
+    return tuple(PowerEntry(bond.name, "bond", _power(system, variables, bond)) for bond in bonds)
+
+
+def _power(system: EquationSystem, variables: Variables, bond: Bond, reference: StorageReference | None = None) -> Expr:
+    """Effort times flow, one of them counted from what it is at a datum."""
+    effort, flow = (system.values[variables.of(bond, variable)] for variable in (Variable.EFFORT, Variable.FLOW))
+    if reference is None:
+        return effort * flow
+    if reference.variable is Variable.EFFORT:
+        return (effort - reference.value) * flow
+    return effort * (flow - reference.value)
 
 
 def _row_powers(system: EquationSystem, variables: Variables) -> tuple[PowerEntry, ...]:
-    graph = system.causal.graph
-    found: list[PowerEntry] = []
-    for row in system.rows:
-        if len(row.bonds) < 2:
-            continue
-        inside = set(row.elements)
-        total = ZERO
-        for name in row.bonds:
-            bond = graph.normal.bonds[name]
-            power = (
-                system.values[variables.of(bond, Variable.EFFORT)] * system.values[variables.of(bond, Variable.FLOW)]
-            )
-            owner = bond.head.owner if bond.head.owner in inside else bond.tail.owner
-            total = total + power if sign_at(bond, owner) else total - power
-        found.append(PowerEntry(row.path, "row", total))
+    rows = (row for row in system.rows if len(row.bonds) > 1)
+    return tuple(PowerEntry(row.path, "row", _row_power(system, variables, row, {})) for row in rows)
+
+
+def _row_power(
+    system: EquationSystem, variables: Variables, row: Row, references: Mapping[Path, StorageReference]
+) -> Expr:
+    """The power of all bonds of a row together, into it."""
+    inside = set(row.elements)
+    total = ZERO
+    for name in row.bonds:
+        bond = system.causal.graph.normal.bonds[name]
+        power = _power(system, variables, bond, references.get(name))
+        owner = bond.head.owner if bond.head.owner in inside else bond.tail.owner
+        total = total + power if sign_at(bond, owner) else total - power
+    return total
+
+
+def _deviations(system: EquationSystem) -> tuple[PowerEntry, ...]:
+    """The powers of storage about the datum, of bonds and of rows of several bonds."""
+    if system.datum is None:
+        return ()
+    variables, bonds = system.causal.graph.variables, system.causal.graph.normal.bonds
+    references = {reference.bond: reference for reference in system.datum.references}
+    found = [
+        PowerEntry(name / DEVIATION, DEVIATION, _power(system, variables, bonds[name], reference))
+        for name, reference in references.items()
+    ]
+    found += [
+        PowerEntry(row.path / DEVIATION, DEVIATION, _row_power(system, variables, row, references))
+        for row in system.rows
+        if len(row.bonds) > 1 and not references.keys().isdisjoint(row.bonds)
+    ]
     return tuple(found)
 
 

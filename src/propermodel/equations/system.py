@@ -11,6 +11,7 @@ from propermodel.diagnostics import NO_SOURCE, Path, Source
 from propermodel.equations.events import SystemEvent
 from propermodel.equations.printing import equations_text
 from propermodel.expressions.core import Expr
+from propermodel.modelling.model import Variable
 
 
 class StateKind(StrEnum):
@@ -167,6 +168,23 @@ class Row:
     bonds: tuple[Path, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class StorageReference:
+    """What one bond of a storage has at the point about which activity is measured: a C an effort, an I a flow."""
+
+    bond: Path
+    variable: Variable
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class StorageDatum:
+    """The point about which the activity of storage is measured, in words and in numbers."""
+
+    point: str
+    references: tuple[StorageReference, ...]
+
+
 @dataclass(frozen=True, kw_only=True)
 class EquationSystem:
     """Everything the model computes, as expressions of states, held values, parameters and time.
@@ -189,6 +207,7 @@ class EquationSystem:
     impacts: Impacts | None = None
     modulations: tuple[Modulation, ...] = ()
     switching: tuple[Switching, ...] = ()
+    datum: StorageDatum | None = None  # beside its powers, those of storage about it are integrated
 
     def laws_of(self, block: ImplicitBlock) -> tuple[Expr, ...]:
         """What a block says in terms of laws: its residuals, without the weights that switches give them."""

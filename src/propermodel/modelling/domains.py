@@ -33,7 +33,7 @@ class DomainData:
 class Domain:
     """An energy domain. Subclass it to declare one; it is never instantiated.
 
-    `shared` says what connected ports have in common, `datum` from where an effort with an arbitrary zero is
+    `shared` says what connected ports have in common, `datum` from where an effort or flow with an arbitrary zero is
     counted, and `is_true` that effort times flow is power (a pseudo bond graph says False and is never ranked
     with true bonds).
     """
@@ -74,6 +74,7 @@ class Translation(Domain):
     flow, flow_unit = "velocity", "m/s"
     displacement_unit, momentum_unit = "m", "N.s"
     shared = Shared.FLOW
+    datum = "velocity counts from the frame at rest, and with it what inertias take part in"
 
 
 class Rotation(Domain):
@@ -84,6 +85,7 @@ class Rotation(Domain):
     flow, flow_unit = "angular velocity", "rad/s"
     displacement_unit, momentum_unit = "rad", "N.m.s"
     shared = Shared.FLOW
+    datum = "angular velocity counts from the frame at rest, and with it what inertias take part in"
 
 
 class Hydraulic(Domain):

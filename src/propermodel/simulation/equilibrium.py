@@ -26,6 +26,7 @@ from propermodel.simulation.start import Start, start_of
 
 TOLERANCE = 1e-9  # of the last correction, as a share of the size that a state has had on the way
 RANK_TOLERANCE = 1e-11  # a singular value below this share of the largest counts as zero, rows and columns scaled
+ROUNDING = 1e-13  # of the largest state, columns scaled
 MOST_NEWTON_STEPS = 40
 MOST_IMPLICIT_STEPS = 200
 MOST_NAMED = 6
@@ -242,7 +243,7 @@ class _Search:
             step = solver.solve(-self._rates, self._conserved_error(solver))
             if not np.isfinite(step).all():
                 return False
-            if self._is_small(step) and self._rests(solver):
+            if self._is_small(solver, step) and self._rests(solver):
                 self._move(step)
                 return self._rests(solver)
             if not self._damped(solver, step):
@@ -254,9 +255,12 @@ class _Search:
         """By how much conserved quantities (combinations whose rate vanishes) have left their start."""
         return solver.conserved @ (self.start.state - self.memory.state)[self.active]
 
-    def _is_small(self, step: FloatArray) -> bool:
-        size = np.maximum(self._size[self.active], np.abs(step))
-        return bool(np.all(np.abs(step) <= TOLERANCE * size) or not step.any())
+    def _is_small(self, solver: _Solver, step: FloatArray) -> bool:
+        size = self._size[self.active]
+        # A state that is zero at rest has no size of its own: what the others make of rounding is small.
+        rounding = ROUNDING * np.max(np.abs(solver.scaled(size)), initial=0.0)
+        is_small = np.abs(step) <= TOLERANCE * np.maximum(size, np.abs(step))
+        return bool(np.all(is_small | (np.abs(solver.scaled(step)) <= rounding)) or not step.any())
 
     def _rests(self, solver: _Solver) -> bool:
         """Whether what no step can remove of the rates is rounding."""
