@@ -5,10 +5,14 @@ import "./views.css";
 import "./studio.css";
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
+import { ActivityScreen } from "./studio/activity.tsx";
 import type { ModelSheet } from "./studio/api.ts";
+import { CompareScreen } from "./studio/compare.tsx";
 import { When } from "./studio/fault.tsx";
 import { ModelScreen } from "./studio/model.tsx";
+import { PlotsScreen } from "./studio/plots.tsx";
 import { useResource } from "./studio/resource.ts";
+import { RunScreen } from "./studio/run.tsx";
 import { Shell } from "./studio/shell.tsx";
 import { StartScreen } from "./studio/start.tsx";
 import { SCREENS, Studio } from "./studio/studio.ts";
@@ -41,7 +45,15 @@ function ScreenView({ sheet }: { sheet: ModelSheet }) {
   switch (studio.screen.value) {
     case "model":
       return <ModelScreen key={sheet.id} studio={studio} sheet={sheet} />;
-    default:
+    case "run":
+      return <RunScreen key={sheet.id} studio={studio} sheet={sheet} />;
+    case "plots":
+      return <PlotsScreen key={sheet.id} studio={studio} sheet={sheet} />;
+    case "activity":
+      return <ActivityScreen key={sheet.id} studio={studio} sheet={sheet} />;
+    case "compare":
+      return <CompareScreen key={sheet.id} studio={studio} sheet={sheet} />;
+    case "":
       return null;
   }
 }

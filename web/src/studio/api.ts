@@ -49,6 +49,7 @@ export interface Job {
   readonly progress: Progress | null;
   readonly message: string;
   readonly elements: readonly string[];
+  readonly outputs: readonly string[];
   readonly spark: readonly number[] | null;
   readonly summary: readonly Fact[];
 }
@@ -83,18 +84,27 @@ export interface ModelSheet {
   readonly picture: Picture;
   readonly counts: readonly Count[];
   readonly elements: Readonly<Record<string, ElementSheet>>;
-  readonly equations: readonly string[];
   readonly parameters: readonly ParameterRow[];
   readonly scenarios: readonly string[];
   readonly outputs: readonly string[];
   readonly methods: readonly string[];
   readonly method: string;
   readonly step: number | null;
+  /** What the model's author usually looks at. */
+  readonly panels: readonly Panel[];
+  readonly warnings: readonly Fault[];
+}
+
+export interface Panel {
+  readonly title: string;
+  readonly signals: readonly { readonly path: string; readonly label: string; readonly dashed: boolean }[];
 }
 
 /** A scenario with a preview of its inputs. */
 export interface ScenarioSheet {
   readonly name: string;
+  readonly description: string;
+  readonly start: number; // s
   readonly duration: number; // s
   readonly inputs: readonly {
     readonly path: string;
@@ -168,4 +178,6 @@ export interface Fault {
   readonly place: string;
   readonly elements: readonly string[];
   readonly help: string;
+  /** What else is wrong, found at the same time. */
+  readonly others?: readonly Fault[];
 }

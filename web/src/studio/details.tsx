@@ -4,6 +4,7 @@ import type { ReadonlySignal } from "@preact/signals";
 import type { Bond } from "../graph/picture.ts";
 import type { GraphChoices } from "../views/choices.ts";
 import type { ElementSheet, ModelSheet } from "./api.ts";
+import { FaultBox } from "./fault.tsx";
 import { ParameterTable } from "./lists.tsx";
 
 interface DetailsProps {
@@ -25,17 +26,20 @@ export function Details({ sheet, choices, marked }: DetailsProps) {
       ) : group !== undefined ? (
         <GroupDetails path={group.path} sheet={sheet} choices={choices} />
       ) : (
-        <Overview sheet={sheet} />
+        <Overview sheet={sheet} choices={choices} />
       )}
     </>
   );
 }
 
-function Overview({ sheet }: { sheet: ModelSheet }) {
+function Overview({ sheet, choices }: { sheet: ModelSheet; choices: GraphChoices }) {
   return (
     <>
       <h3>{sheet.name}</h3>
       <p class="hint">Select an element for its law, parameters and equations. A box opens, a frame closes.</p>
+      {sheet.warnings.map((warning, i) => (
+        <FaultBox key={i} fault={warning} isWarning onElement={(path) => choices.show(path)} />
+      ))}
       <Part title="Outputs">
         {sheet.outputs.length === 0 ? <p class="hint">none named</p> : <ul class="plain">{sheet.outputs.map((path) => <li key={path}>{path}</li>)}</ul>}
       </Part>

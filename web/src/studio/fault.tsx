@@ -1,6 +1,7 @@
 /** An error for its reader: what is wrong, where, with whom, and what usually helps. */
 
 import type { ComponentChildren } from "preact";
+import type { Fault } from "./api.ts";
 import { ServerError } from "./client.ts";
 import type { Resource } from "./resource.ts";
 
@@ -14,9 +15,20 @@ export function FaultView({ error, onElement }: FaultProps) {
     const text = error instanceof Error ? error.message : String(error);
     return <div class="fault-box" role="alert"><p class="what">{text}</p></div>;
   }
-  const { message, place, elements, help, code } = error.fault;
   return (
-    <div class="fault-box" role="alert">
+    <>
+      {[error.fault, ...(error.fault.others ?? [])].map((fault, i) => (
+        <FaultBox key={i} fault={fault} {...(onElement === undefined ? {} : { onElement })} />
+      ))}
+    </>
+  );
+}
+
+/** One fault or warning. */
+export function FaultBox({ fault, onElement, isWarning }: { fault: Fault; onElement?: (path: string) => void; isWarning?: boolean }) {
+  const { message, place, elements, help, code } = fault;
+  return (
+    <div class={isWarning === true ? "fault-box warning" : "fault-box"} role={isWarning === true ? "note" : "alert"}>
       <p class="what">{message}</p>
       {place !== "" && <p class="place">{place}</p>}
       {elements.length > 0 && (

@@ -65,13 +65,14 @@ export function JobTable({ studio, jobs, empty }: JobTableProps) {
   );
 }
 
-export function Links({ studio, job }: { studio: Studio; job: Job }) {
+/** Where a job leads; `isHere` where it is shown already. */
+export function Links({ studio, job, isHere }: { studio: Studio; job: Job; isHere?: boolean }) {
   if (job.kind === "reduction") {
     return <a href={studio.link("compare", { model: job.model, reduction: job.id })}>compare</a>;
   }
   return (
     <>
-      <a href={studio.link("run", { model: job.model, job: job.id })}>run</a>
+      {isHere !== true && <a href={studio.link("run", { model: job.model, job: job.id })}>run</a>}
       {hasData(job) && <a href={studio.link("plots", { model: job.model, run: job.id })}>plots</a>}
       {job.state === "complete" && <a href={studio.link("activity", { model: job.model, run: job.id })}>activity</a>}
     </>

@@ -7,7 +7,7 @@ import { addressOf, get } from "./client.ts";
 export const isOver = (state: JobState): boolean => state !== "queued" && state !== "running";
 
 /** Whether there is anything to plot. */
-export const hasData = (job: Job): boolean => job.kind === "run" && job.state !== "queued" && (job.state !== "failed" || job.progress !== null);
+export const hasData = (job: Job): boolean => job.kind === "run" && job.progress !== null;
 
 export class Jobs {
   readonly byId = signal<ReadonlyMap<string, Job>>(new Map());
@@ -19,7 +19,7 @@ export class Jobs {
   start(): void {
     const events = new EventSource(addressOf("/events"));
     events.addEventListener("job", (event) => this.take(JSON.parse((event as MessageEvent<string>).data) as Job));
-    events.addEventListener("gone", (event) => this.drop((JSON.parse((event as MessageEvent<string>).data) as { readonly id: string }).id));
+    events.addEventListener("deleted", (event) => this.drop((JSON.parse((event as MessageEvent<string>).data) as { readonly id: string }).id));
     events.addEventListener("open", () => {
       this.isConnected.value = true;
       // What changed while nothing was heard.

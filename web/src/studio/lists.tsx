@@ -4,18 +4,22 @@ import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { csvOf, saveCsv } from "../views/saving.ts";
 import type { ModelSheet, ParameterRow } from "./api.ts";
+import { get } from "./client.ts";
+import { When } from "./fault.tsx";
+import { useResource } from "./resource.ts";
 
 export function Equations({ sheet }: { sheet: ModelSheet }) {
+  const equations = useResource(sheet.id, (model) => get<{ readonly lines: readonly string[] }>("/equations", { model }));
+  return <When resource={equations} waiting="Writing the equations …">{({ lines }) => <EquationList lines={lines} />}</When>;
+}
+
+function EquationList({ lines }: { lines: readonly string[] }) {
   const text = useSignal("");
-  const found = sheet.equations.filter((line) => has(line, text.value));
+  const found = lines.filter((line) => has(line, text.value));
   return (
     <div class="list">
-      <Filter text={text} label="Find in the equations" shown={found.length} all={sheet.equations.length} />
-      <ol class="equations" tabIndex={0} aria-label="Equations, in the order in which they are evaluated">
-        {found.map((line, i) => (
-          <li key={i}><code>{line}</code></li>
-        ))}
-      </ol>
+      <Filter text={text} label="Find in the equations" shown={found.length} all={lines.length} />
+      <pre class="equations" tabIndex={0} aria-label="Equations">{found.join("\n")}</pre>
     </div>
   );
 }

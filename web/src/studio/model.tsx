@@ -1,7 +1,7 @@
 /** Model: the drawn graph, the tree of its groups, and what is known of what is selected. */
 
 import { useComputed } from "@preact/signals";
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import { GraphChoices } from "../views/choices.ts";
 import { GraphView } from "../views/graph.tsx";
 import type { ModelSheet } from "./api.ts";
@@ -25,6 +25,9 @@ export function ModelScreen({ studio, sheet }: { studio: Studio; sheet: ModelShe
     return new Set(sheet.counts.find((count) => count.name === wanted)?.paths ?? []);
   });
   const tab = address.word("tab") ?? "graph";
+  useEffect(() => {
+    if (tab !== "graph") document.body.dataset.ready = "true";
+  }, [tab]);
   return (
     <div class="model-screen">
       <Counts studio={studio} sheet={sheet} choices={choices} />

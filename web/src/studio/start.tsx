@@ -17,10 +17,6 @@ export function StartScreen({ studio }: { studio: Studio }) {
       <When resource={start} waiting="Looking for models …">
         {(found) => <Models studio={studio} start={found} again={() => (turn.value += 1)} />}
       </When>
-      <section aria-labelledby="last-runs">
-        <h2 id="last-runs">Runs and reductions</h2>
-        <JobTable studio={studio} jobs={studio.jobs.all.value} empty="Nothing has been run in this folder." />
-      </section>
     </div>
   );
 }
@@ -38,6 +34,7 @@ function Models({ studio, start, again }: { studio: Studio; start: Start; again:
     event.preventDefault();
     asked.value = entry;
   };
+  const models = (kind: ModelEntry["kind"]): ModelEntry[] => start.models.filter((entry) => entry.kind === kind);
   return (
     <>
       <header class="title">
@@ -46,33 +43,35 @@ function Models({ studio, start, again }: { studio: Studio; start: Start; again:
           {start.folder}, propermodel {start.version}
         </p>
       </header>
-      {KINDS.map(([kind, title, note]) => {
-        const models = start.models.filter((entry) => entry.kind === kind);
-        if (models.length === 0) return null;
-        return (
-          <section key={kind} aria-labelledby={`models-${kind}`}>
-            <h2 id={`models-${kind}`}>
-              {title} <small>{note}</small>
-            </h2>
-            <ul class="cards">
-              {models.map((entry) => (
-                <li key={entry.id} class="card" data-model={entry.id}>
-                  <a class="name" href={studio.link("model", { model: entry.id })} onClick={(event) => open(event, entry)}>{entry.name}</a>
-                  <p class="hint">{entry.note !== "" ? entry.note : (entry.file ?? "")}</p>
-                  <p class="more">
-                    {kind === "python" && !start.trusted ? (
-                      <span class="hint">not opened yet: it is code</span>
-                    ) : (
+      {KINDS.map(([kind, title, note]) => (
+        <>
+          {models(kind).length > 0 && (
+            <section key={kind} aria-labelledby={`models-${kind}`}>
+              <h2 id={`models-${kind}`}>
+                {title} <small>{note}{kind === "python" && !start.trusted ? "; opening one runs it, for which you are asked once" : ""}</small>
+              </h2>
+              <ul class="cards">
+                {models(kind).map((entry) => (
+                  <li key={entry.id} class="card" data-model={entry.id}>
+                    <a class="name" href={studio.link("model", { model: entry.id })} onClick={(event) => open(event, entry)}>{entry.name}</a>
+                    <p class="hint">{entry.note !== "" ? entry.note : (entry.file ?? "")}</p>
+                    <p class="more">
                       <a href={studio.link("run", { model: entry.id })} onClick={(event) => open(event, entry)} aria-label={`Run ${entry.name}`}>run</a>
-                    )}
-                    {entry.scenarios.length > 0 && <span class="hint">{entry.scenarios.join(", ")}</span>}
-                  </p>
-                </li>
-              ))}
-            </ul>
-          </section>
-        );
-      })}
+                      {entry.scenarios.length > 0 && <span class="hint">{entry.scenarios.join(", ")}</span>}
+                    </p>
+                  </li>
+                ))}
+              </ul>
+            </section>
+          )}
+          {kind === "library" && (
+            <section key="runs" aria-labelledby="last-runs">
+              <h2 id="last-runs">Runs and reductions</h2>
+              <JobTable studio={studio} jobs={studio.jobs.all.value} empty="Nothing has been run in this folder." />
+            </section>
+          )}
+        </>
+      ))}
       {asked.value !== null && (
         <TrustDialog
           folder={start.folder}

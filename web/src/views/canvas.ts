@@ -59,11 +59,12 @@ function middle(thing: SVGElement): { x: number; y: number } {
 export function mark(svg: SVGSVGElement, selected: string | null, marked: ReadonlySet<string>): void {
   for (const thing of svg.querySelectorAll<SVGElement>(THINGS)) {
     const { id, row, group } = thing.dataset;
-    const isChosen = selected !== null && (id === selected || row === selected || group === selected);
+    const holds = (path: string): boolean => group !== undefined && thing.matches(".closed") && path.startsWith(`${group}.`);
+    // A closed group stands for what is in it.
+    const isChosen = selected !== null && (id === selected || row === selected || group === selected || holds(selected));
     thing.classList.toggle("chosen", isChosen);
     thing.setAttribute("aria-pressed", String(isChosen));
-    const inside = group !== undefined && thing.matches(".closed") && [...marked].some((path) => path.startsWith(`${group}.`));
-    thing.classList.toggle("marked", inside || (id !== undefined && marked.has(id)) || (row !== undefined && marked.has(row)));
+    thing.classList.toggle("marked", [...marked].some(holds) || (id !== undefined && marked.has(id)) || (row !== undefined && marked.has(row)));
   }
 }
 

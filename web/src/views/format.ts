@@ -20,11 +20,14 @@ export function percent(share: number | null, digits: number, significantDigits?
 /** Units that are written with a prefix; rad/s or Pa.s2/m6 stay as they are, and so do bar, rpm or km/h. */
 const takesPrefix = (unit: string): boolean => /^(m|s|N|Pa|J|W|V|A|C|F|H|Hz|Wb|T|N\.m)$/.test(unit);
 
+/** How a unit is written: a plain number has none. */
+export const unitText = (unit: string): string => (unit === "1" ? "" : unit);
+
 /** A value with four significant digits and a prefix of its unit. */
 export function significant(value: number | null, unit: string, digits = 4): string {
   if (value === null) return "–";
-  if (value === 0) return `0 ${unit}`.trim();
-  if (!takesPrefix(unit)) return `${Number(value.toPrecision(digits))} ${unit}`.trim();
+  if (value === 0) return `0 ${unitText(unit)}`.trim();
+  if (!takesPrefix(unit)) return `${Number(value.toPrecision(digits))} ${unitText(unit)}`.trim();
   const size = Math.abs(value);
   const [factor, prefix] = PREFIXES.find(([least]) => size >= least) ?? ([1e-6, "µ"] as const);
   return `${Number((value / factor).toPrecision(digits))} ${prefix}${unit}`;
@@ -37,7 +40,8 @@ export interface AxisUnit {
 }
 
 /** The unit of an axis whose greatest value has a size, so that its numbers stay short: MPa, or 10⁶ Pa.s/m3. */
-export function axisUnit(size: number, unit: string): AxisUnit {
+export function axisUnit(size: number, of: string): AxisUnit {
+  const unit = unitText(of);
   if (!Number.isFinite(size) || size === 0) return { text: unit, factor: 1 };
   if (takesPrefix(unit)) {
     const found = PREFIXES.find(([least]) => size >= least * 0.9999) ?? ([1e-6, "µ"] as const);

@@ -3,7 +3,7 @@
 import { useComputed, useSignal, type ReadonlySignal, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
-import { axisUnit, type AxisUnit } from "./format.ts";
+import { axisUnit, unitText, type AxisUnit } from "./format.ts";
 import type { Theme } from "../graph/notation.ts";
 import type { Span } from "./source.ts";
 
@@ -122,7 +122,7 @@ function Readings({ lane, columns, shared, exact }: Pick<PlotProps, "lane" | "co
               <line x1="1" x2="25" y1="4" y2="4" class={`series-${line.colour}`} stroke-dasharray={line.dash.join(" ")} />
             </svg>
             <span class="name" title={line.path}>{line.label}</span>
-            <output data-line={lineKey(line)}>{isNumber ? `${Number(value.toPrecision(5))} ${lane.unit}`.trim() : "–"}</output>
+            <output data-line={lineKey(line)}>{isNumber ? `${Number(value.toPrecision(5))} ${unitText(lane.unit)}`.trim() : "–"}</output>
           </li>
         );
       })}
@@ -154,6 +154,7 @@ function drawn(
       legend: { show: false },
       cursor: {
         sync: { key: group, setSeries: false },
+        y: false,
         drag: { x: true, y: false, setScale: false },
         points: { size: 6 },
         // All lanes go back to everything together.
