@@ -134,7 +134,8 @@ if TYPE_CHECKING:
     from propermodel.reduction.singular import SingularRemovals, explain_removals
     from propermodel.reduction.verify import Verification, verify_certificate
     from propermodel.report.certify import certify_study
-    from propermodel.report.study import ReductionStudy, StudyOptions, run_study
+    from propermodel.report.options import StudyOptions
+    from propermodel.report.study import ReductionStudy, run_study
     from propermodel.simulation.ensemble import Ensemble, designs, simulate_many
     from propermodel.simulation.equilibrium import Equilibrium, find_equilibrium
     from propermodel.simulation.simulate import simulate
@@ -176,7 +177,7 @@ _WHEN_USED = {
     "PartRuns": "reduction.part_runs",
     "part_model": "reduction.part_runs",
     "simulate_parts": "reduction.part_runs",
-    "StudyOptions": "report.study",
+    "StudyOptions": "report.options",
     "SymbolicMatrices": "equations.matrices",
     "TimeResponse": "analysis.responses",
     "Tolerance": "analysis.tolerances",

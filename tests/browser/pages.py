@@ -16,9 +16,10 @@ from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import compile_model
 from propermodel.drawing.depict import depict
 from propermodel.report.certify import certify_study
+from propermodel.report.options import StudyOptions
 from propermodel.report.page import write_page
 from propermodel.report.page_data import page_data, subject_of_study
-from propermodel.report.study import ReductionStudy, StudyOptions, run_study
+from propermodel.report.study import ReductionStudy, run_study
 from tests.drawing.pictures import ROOT
 from tests.examples.test_notebooks import code_cells, run_cell
 

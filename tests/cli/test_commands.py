@@ -392,7 +392,7 @@ def test_version_comes_first():
 @pytest.mark.parametrize("name", NAMED_MODELS)
 def test_models_of_the_library_have_what_their_entry_says(name: str):
     from propermodel.catalogue.finding import load_subject
-    from propermodel.report.study import check_outputs
+    from propermodel.report.options import check_outputs
     from propermodel.simulation.start import begin
 
     subject = load_subject(name)

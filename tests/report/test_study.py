@@ -12,8 +12,9 @@ from propermodel.compiler import Method
 from propermodel.diagnostics import ProperModelError, parse_path
 from propermodel.modelling.documents import read_model, read_scenario
 from propermodel.report.files import write_study
+from propermodel.report.options import StudyOptions
 from propermodel.report.panels import Panel, Series
-from propermodel.report.study import ReductionStudy, StudyOptions, run_study
+from propermodel.report.study import ReductionStudy, run_study
 from propermodel.report.summary import summarise
 from propermodel.simulation.display_units import display_for
 

@@ -54,6 +54,21 @@ def load_subject(text: str, scenario: str | None = None) -> Subject:
     )
 
 
+def scenario_names(text: str) -> tuple[str, ...]:
+    """What the scenarios that come with a model are called, the default first.
+
+    Raises:
+        CatalogueError: a file of Python cannot be imported.
+    """
+    if text in NAMED_MODELS:
+        return tuple(NAMED_MODELS[text].scenarios)
+    file = text.rpartition(":")[0] or text
+    if not file.endswith(".py"):
+        return ()
+    names = scenarios_of(import_file(file))
+    return tuple(sorted(names, key=lambda name: name != "scenario"))
+
+
 def _from_run(file: str, scenario: str | None) -> Subject:
     from propermodel.simulation.storage import load_trajectory
 

@@ -30,6 +30,8 @@ class NamedModel:
     """A model of the library under a short name, with its usual scenarios; the first is the default."""
 
     component: Target
+    title: str
+    description: str
     scenarios: Mapping[str, Target]
     outputs: tuple[str, ...] = ()
     totals: Mapping[str, str] = field(default_factory=dict[str, str])
@@ -50,6 +52,8 @@ NAMED_MODELS: Mapping[str, NamedModel] = MappingProxyType(
     {
         "truck": NamedModel(
             component=Target("propermodel.library.vehicle.truck", "HybridTruck"),
+            title="Hybrid truck",
+            description="a truck with a diesel engine and a hydraulic accumulator, on a mixed mission of 2200 s",
             scenarios=_MISSIONS,
             outputs=(
                 "chassis.speed",
@@ -80,6 +84,8 @@ NAMED_MODELS: Mapping[str, NamedModel] = MappingProxyType(
         ),
         "conventional-truck": NamedModel(
             component=Target("propermodel.library.vehicle.truck", "ConventionalTruck"),
+            title="Conventional truck",
+            description="the same truck without the hydraulic drive",
             scenarios=_MISSIONS,
             outputs=("chassis.speed", "chassis.acceleration", "engine.crankshaft.flow", "engine.injection.fuel"),
             totals={"fuel_kg": "engine.fuel_meter.mass"},
@@ -87,6 +93,8 @@ NAMED_MODELS: Mapping[str, NamedModel] = MappingProxyType(
         ),
         "half-car": NamedModel(
             component=Target("propermodel.library.vehicle.half_car", "HalfCar"),
+            title="Half car",
+            description="a body on two wheels, with gas springs, on a rough road",
             scenarios={"rough_road": Target("propermodel.catalogue.roads", "rough_road")},
             outputs=("heave.flange.flow", "pitch.shaft.flow"),
             panels=(

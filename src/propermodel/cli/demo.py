@@ -20,7 +20,7 @@ def demo(
     """Reduce the hybrid truck on its mission, and write the study."""
     from propermodel.catalogue.finding import load_subject
     from propermodel.cli.reduce import reduce_subject
-    from propermodel.report.study import StudyOptions
+    from propermodel.report.options import StudyOptions
 
     subject = configured(load_subject(SUBJECT), until=until)
     options = StudyOptions(

@@ -40,7 +40,8 @@ def runs_of(
     from propermodel.cli.progress import ProgressBars
     from propermodel.cli.rank_windows import period_of_windows
     from propermodel.diagnostics import SimulationError
-    from propermodel.report.study import StudyOptions, StudySoFar
+    from propermodel.report.options import StudyOptions
+    from propermodel.report.study import StudySoFar
 
     subject, scenarios = subjects[0], [each.scenario for each in subjects]
     options = StudyOptions(

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from propermodel.analysis.windows import Window, Windows
     from propermodel.modelling.model import Scenario
-    from propermodel.report.study import StudyOptions
+    from propermodel.report.options import StudyOptions
 
 
 def parse_windows(text: str) -> Windows:

@@ -24,7 +24,7 @@ from propermodel.cli.options import (
 
 if TYPE_CHECKING:
     from propermodel.catalogue.subject import Subject
-    from propermodel.report.study import StudyOptions
+    from propermodel.report.options import StudyOptions
 
 
 def reduce(
@@ -89,7 +89,7 @@ def reduce(
     """
     from propermodel.catalogue.finding import load_subject
     from propermodel.cli.within import reduce_within
-    from propermodel.report.study import StudyOptions
+    from propermodel.report.options import StudyOptions
 
     subject = configured(
         load_subject(model, scenario),

@@ -61,7 +61,7 @@ def run(
     from propermodel.cli.progress import ProgressBars
     from propermodel.cli.tables import Screen, plain, table
     from propermodel.compiler import compile_model
-    from propermodel.report.study import StudyOptions, check_outputs
+    from propermodel.report.options import StudyOptions, check_outputs
     from propermodel.simulation.simulate import simulate
     from propermodel.simulation.storage import save_trajectory
     from propermodel.simulation.trajectory import RunStatus

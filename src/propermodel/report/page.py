@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path as FilePath
 from typing import Any
 
-from propermodel.report.summary import finite
+from propermodel.report.plain import finite
 
 Json = Any
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -15,6 +14,7 @@ from propermodel.analysis.comparison import OutputError
 from propermodel.codegen.versions import versions
 from propermodel.modelling.removal_words import removal_text
 from propermodel.reduction.plan import Decision, Reduction
+from propermodel.report.plain import finite
 from propermodel.report.speed import BestSteps, Speed, Timing
 from propermodel.report.study import ReductionStudy
 from propermodel.simulation.trajectory import Trajectory
@@ -184,16 +184,3 @@ def _best_steps(best: BestSteps) -> dict[str, Json]:
         "full": None if best.speed is None else _timing(best.speed.full),
         "reduced": None if best.speed is None else _timing(best.speed.reduced),
     }
-
-
-def finite(data: Json) -> Json:
-    """The data with null in place of numbers that JSON cannot hold."""
-    match data:
-        case float():
-            return data if math.isfinite(data) else None
-        case Mapping():
-            return {key: finite(value) for key, value in data.items()}
-        case list():
-            return [finite(value) for value in data]
-        case _:
-            return data

@@ -234,5 +234,5 @@ class FileStore:
 
     def series(self) -> tuple[Series, Series, Series | None]:
         """The signals, integrals and extremes that are in the file."""
-        run = read_run(self._file, _OWN, self._header)
-        return run.signals, run.integrals, run.extremes
+        rows = read_run(self._file, _OWN, self._header).rows
+        return rows.signals, rows.integrals, rows.extremes

@@ -45,6 +45,8 @@ class Progress:
     start: float
     stop: float
     wall_s: float
+    steps: int
+    rejected: int
 
     @property
     def fraction(self) -> float:
@@ -263,7 +265,9 @@ def _run(
             watch.heed(memory)
             recording.keep(outcome, stand)
             if progress is not None:
-                progress(Progress(memory.time, scenario.start, scenario.stop, time.perf_counter() - begin_wall))
+                wall_s = time.perf_counter() - begin_wall
+                span = scenario.start, scenario.stop
+                progress(Progress(memory.time, *span, wall_s, memory.steps_taken, memory.steps_rejected))
             if outcome.status is Status.EVENT and recording.overflow is None:
                 ending = events.happen(memory, outcome.step)
                 if ending is not None:

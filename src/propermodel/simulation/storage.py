@@ -234,7 +234,7 @@ def load_trajectory(file: FileName, *, limits: Limits = LIMITS) -> StoredTraject
         DocumentError: the file cannot be read, is no trajectory of this version, or goes beyond a limit.
     """
     run = read_run(file, limits)
-    header, progress = run.header, run.progress
+    header, rows, progress = run.header, run.rows, run.rows.progress
     return StoredTrajectory(
         model=header.model,
         scenario=header.scenario,
@@ -248,11 +248,11 @@ def load_trajectory(file: FileName, *, limits: Limits = LIMITS) -> StoredTraject
         events=progress.events,
         notes=(*header.notes, *progress.notes),
         outside_tables=progress.outside_tables,
-        signals=run.signals,
-        power_integrals=run.integrals,
-        intervals=run.extremes,
+        signals=rows.signals,
+        power_integrals=rows.integrals,
+        intervals=rows.extremes,
         _entries={path: column for path, _, column in header.columns},
-        _width=run.signals.width,
+        _width=rows.signals.width,
         _powers={path: index for index, (kind, path) in enumerate(header.powers) if kind != "outside"},
         _power_count=len(header.powers),
     )

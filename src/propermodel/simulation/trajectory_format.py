@@ -113,6 +113,10 @@ _ANY_NUMBER: Codec[float] = Codec(lambda value, _: value if math.isfinite(value)
 # Names of observables may hold dots, so their paths are lists.
 _NAMES: Codec[Path] = Codec(lambda path, _: list(path), lambda data, place: Path(many(TEXT).read(data, place)))
 
+# What tells of the rows of a run, in its header.
+COLUMNS: Codec[tuple[tuple[Path, str, int], ...]] = many(together(_NAMES, TEXT, COUNT))
+POWERS: Codec[tuple[tuple[str, Path], ...]] = many(together(TEXT, _NAMES))
+
 HEADER = record(
     Header,
     method=choice(Method),
@@ -120,8 +124,8 @@ HEADER = record(
     jacobian_every=COUNT,
     tolerance=FINITE,
     notes=many(TEXT),
-    columns=many(together(_NAMES, TEXT, COUNT)),
-    powers=many(together(TEXT, _NAMES)),
+    columns=COLUMNS,
+    powers=POWERS,
     scenario=_inner(to_scenario_document, from_scenario_document),
     model=_inner(to_document, from_document),
 )

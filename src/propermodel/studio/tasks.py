@@ -1,0 +1,59 @@
+"""What a worker can be asked to do."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path as FilePath
+from typing import Any
+
+from propermodel.catalogue.finding import load_subject, scenario_names
+from propermodel.compiler import compile_quietly
+from propermodel.equations.readable import state_equations
+from propermodel.report.plain import finite
+from propermodel.studio.model_sheet import model_sheet
+from propermodel.studio.run_task import run
+from propermodel.studio.scenario_sheet import scenario_sheet
+from propermodel.studio.worker import Control
+
+Json = Any
+
+
+def do(task: str, arguments: Json, control: Control) -> bytes:
+    """Do a task and give its answer as JSON.
+
+    Raises:
+        ProperModelError: what was asked for cannot be done.
+    """
+    return json.dumps(finite(TASKS[task](arguments, control)), allow_nan=False, separators=(",", ":")).encode()
+
+
+def _model(arguments: Json, _: Control) -> Json:
+    text = arguments["model"]
+    subject = load_subject(text)
+    return {"sheet": model_sheet(text, subject, scenario_names(text)), "files": _files()}
+
+
+def _equations(arguments: Json, _: Control) -> Json:
+    lines = state_equations(compile_quietly(load_subject(arguments["model"]).model)).text().splitlines()
+    return {"sheet": {"lines": lines}, "files": _files()}
+
+
+def _scenario(arguments: Json, _: Control) -> Json:
+    return {"sheet": scenario_sheet(load_subject(arguments["model"], arguments["scenario"])), "files": _files()}
+
+
+def _files() -> list[str]:
+    """The Python files of the folder that were run: an answer holds until one of them changes."""
+    root = FilePath.cwd()
+    files = {FilePath(f) for m in list(sys.modules.values()) if (f := getattr(m, "__file__", None)) is not None}
+    return sorted(str(file) for file in files if file.is_relative_to(root))
+
+
+TASKS: Mapping[str, Callable[[Json, Control], Json]] = {
+    "model": _model,
+    "equations": _equations,
+    "scenario": _scenario,
+    "run": run,
+}
