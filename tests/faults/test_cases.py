@@ -14,6 +14,7 @@ from tests.faults import (
     model_cases,
     simulation_cases,
     structure_cases,
+    studio_cases,
     vector_port_cases,
 )
 from tests.faults.case import Case
@@ -26,6 +27,7 @@ CASES = (
     *drawing_cases.CASES,
     *linear_cases.CASES,
     *mechanism_cases.CASES,
+    *studio_cases.CASES,
     *vector_port_cases.CASES,
 )
 

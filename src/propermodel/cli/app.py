@@ -21,6 +21,7 @@ from propermodel.cli.report import report
 from propermodel.cli.run import run
 from propermodel.cli.sensitivities import sensitivities
 from propermodel.cli.show import show
+from propermodel.cli.studio import studio
 from propermodel.cli.verify import verify
 from propermodel.cli.version import print_version
 
@@ -56,5 +57,6 @@ app.command()(draw)
 app.command()(report)
 app.command()(export)
 app.command()(check)
+app.command()(studio)
 app.command()(demo)
 app.command()(cache)

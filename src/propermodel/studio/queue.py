@@ -169,10 +169,18 @@ class Queue:
 
     # -- one job -------------------------------------------------------------------------------------------
 
-    def _add(self, job: Job) -> Job:
-        self._jobs[job.id] = job
+    def add(self, job: Job) -> None:
+        """Take a job in, without making it.
+
+        Raises:
+            OSError: it cannot be written down.
+        """
         self.store.write(job)
+        self._jobs[job.id] = job
         self._tell("job", job.data())
+
+    def _add(self, job: Job) -> Job:
+        self.add(job)
         task = asyncio.get_running_loop().create_task(self._make(job.id))
         self._tasks[job.id] = task
         task.add_done_callback(lambda _: self._tasks.pop(job.id, None))

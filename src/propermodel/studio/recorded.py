@@ -152,12 +152,12 @@ class RecordedRun:
         return kept[first:last]
 
     def _from_overview(self, path: Path, edges: FloatArray, first: int, last: int) -> FloatArray:
-        factors = self._factors(path)
-        if len(factors) > 1:
+        column, *others = self._factors(path)
+        if others:
             return Intervals(self._column(-1, first, last), edges).extremes(self._values(path, first, last))
         series = self.rows.signals
-        begin, end = (float(series.times(row, row + 1)[0]) for row in (first, last - 1))
-        seen = make_overview(series, factors[0], series.width, begin, end, _POINTS * (len(edges) - 1))
+        begin, end = series.times(first, first + 1).item(), series.times(last - 1, last).item()
+        seen = make_overview(series, column, series.width, begin, end, _POINTS * (len(edges) - 1))
         return Intervals(seen.time, edges).extremes(seen.least, seen.greatest)
 
     def _sizes(self) -> FloatArray:
