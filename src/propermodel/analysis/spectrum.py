@@ -53,20 +53,25 @@ def roots_of(matrix: FloatArray, least_norm: float = 0.0) -> tuple[Root, ...]:
     left, right = basis @ left, basis @ right
     norm = max(float(np.linalg.norm(real)), least_norm, 1e-300)
     uncertainty = ROUNDING * norm / conditions
+    conjugates = _conjugates(values)
+    gaps = _gaps(values)
     roots: list[Root] = []
-    for members in _clusters(values, uncertainty):
+    clusters = _clusters(values, uncertainty, conjugates)
+    lone = {members[0] for members in clusters if len(members) == 1}
+    while clusters:
+        members = clusters.pop()
         if len(members) > 1:
             together = _together(triangle, basis, values, members, norm)
-            if together is not None:
+            if together is None:
+                clusters.extend(_parted(values, members, conjugates))
+            else:
                 roots.append(_root(*together, len(members), scale))
-                continue
-        for index in members:
-            if values[index].imag < 0.0:
-                continue
-            vector, dual = right[:, index], left[:, index].conj()
-            shares = vector * dual / np.dot(dual, vector)
-            error = float(uncertainty[index]) if len(members) == 1 else 0.0
-            roots.append(_root(complex(values[index]), error, vector, shares, 1, scale))
+            continue
+        (index,) = members
+        vector, dual = right[:, index], left[:, index].conj()
+        shares = vector * dual / np.dot(dual, vector)
+        error = float(uncertainty[index]) if index in lone and uncertainty[index] < gaps[index] else 0.0
+        roots.append(_root(complex(values[index]), error, vector, shares, 1, scale))
     return tuple(sorted(roots, key=lambda root: (abs(root.value), root.value.real)))
 
 
@@ -121,16 +126,27 @@ def _vectors(triangle: ComplexArray) -> tuple[ComplexArray, ComplexArray, FloatA
     return left, right, np.maximum(conditions, 1e-300)
 
 
-def _clusters(values: ComplexArray, uncertainty: FloatArray) -> list[list[int]]:
-    """Indices of eigenvalues that rounding cannot tell apart; of conjugate clusters only the upper one."""
-    left = [index for index in range(len(values)) if values[index].imag >= 0.0]
-    conjugates = {
+def _gaps(values: ComplexArray) -> FloatArray:
+    """The distance of each value from the next one."""
+    distances = np.abs(values[:, None] - values[None, :])
+    np.fill_diagonal(distances, np.inf)
+    return distances.min(axis=1)
+
+
+def _conjugates(values: ComplexArray) -> dict[int, int]:
+    """For the index of each value above the real axis that of its conjugate, which stands beside it."""
+    return {
         index: other
-        for index in left
+        for index in range(len(values))
         if values[index].imag > 0.0
         for other in (index - 1, index + 1)
         if 0 <= other < len(values) and values[other] == values[index].conjugate()
     }
+
+
+def _clusters(values: ComplexArray, uncertainty: FloatArray, conjugates: dict[int, int]) -> list[list[int]]:
+    """Indices of eigenvalues that rounding cannot tell apart; of conjugate clusters only the upper one."""
+    left = [index for index in range(len(values)) if values[index].imag >= 0.0]
     left.sort(key=lambda index: (values[index].real, values[index].imag))
     clusters: list[list[int]] = []
     while left:
@@ -138,17 +154,38 @@ def _clusters(values: ComplexArray, uncertainty: FloatArray) -> list[list[int]]:
         grown = 0
         while grown < len(members):
             index = members[grown]
+            # What is well determined is not near a defective value, however uncertain that one is.
             near = [
-                other for other in left if abs(values[other] - values[index]) <= uncertainty[other] + uncertainty[index]
+                other
+                for other in left
+                if abs(values[other] - values[index]) <= 2.0 * min(uncertainty[other], uncertainty[index])
             ]
             left = [other for other in left if other not in near]
             members.extend(near)
             grown += 1
         reaches_down = any(values[index].imag <= uncertainty[index] for index in members)
-        if reaches_down:
-            members.extend(conjugates[index] for index in tuple(members) if index in conjugates)
-        clusters.append(sorted(members))
+        clusters.append(_with_conjugates(members, conjugates) if reaches_down else sorted(members))
     return clusters
+
+
+def _with_conjugates(members: list[int], conjugates: dict[int, int]) -> list[int]:
+    return sorted([*members, *(conjugates[index] for index in members if index in conjugates)])
+
+
+def _parted(values: ComplexArray, members: list[int], conjugates: dict[int, int]) -> list[list[int]]:
+    """What a cluster that is no multiple eigenvalue consists of: itself without conjugates, or two, at its widest gap.
+
+    A defective eigenvalue is so uncertain that everything seems to be near it.
+    """
+    upper = [index for index in members if values[index].imag >= 0.0]
+    if len(upper) < len(members):
+        return [upper]
+    from scipy.cluster.hierarchy import cut_tree, linkage
+
+    at = np.column_stack((values[upper].real, values[upper].imag))
+    side = cut_tree(linkage(at, method="single"), n_clusters=2)[:, 0]
+    parts = ([index for index, where in zip(upper, side, strict=True) if where == k] for k in (0, 1))
+    return [_with_conjugates(part, conjugates) for part in parts]
 
 
 def _together(
@@ -156,8 +193,8 @@ def _together(
 ) -> tuple[complex, float, ComplexArray, ComplexArray] | None:
     """The mean of a cluster, its rounding error, an eigenvector, and the diagonal of the projection.
 
-    Nothing, if the cluster is no multiple eigenvalue even so: rounding would not give a polynomial this far from
-    that of a multiple one, although each of its roots is uncertain.
+    Nothing, if the cluster is no multiple eigenvalue even so: other values are within the error of its mean, or
+    rounding would not give a polynomial this far from that of a multiple one, although each of its roots is uncertain.
     """
     count, size = len(values), len(members)
     chosen = np.zeros(count, dtype=np.int32)
@@ -172,6 +209,9 @@ def _together(
         dual = dual + solve_sylvester(inner, -outer, coupling) @ second.conj().T
     mean = complex(np.mean(values[members]))
     error = ROUNDING * norm / max(float(condition), 1e-300)
+    others = np.delete(values, members)
+    if np.any(np.abs(others - mean) <= error):
+        return None
     deviation = np.abs(np.poly(values[members] - mean))[1:]
     if np.any(deviation > size * error * norm ** np.arange(size)):
         return None
