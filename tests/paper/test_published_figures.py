@@ -1,17 +1,18 @@
 """The published figures of Louca and Yildir (2006), beside what this truck gives over its whole mission.
 
-Their parameters and their mission were never published, so the figures are reported and not asserted: run with `-s`, or
-read the properties of the JUnit report. Only the count of energy elements does not depend on numbers.
+Their parameters and their mission were never published, so their figures are only reported: run with `-s`, or read the
+properties of the JUnit report. Ours are those of the README, which were measured with another method and step.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import pytest
 
 from propermodel.analysis.activity import rank_activity
-from propermodel.compiler import CompiledModel, compile_model
+from propermodel.compiler import CompiledModel, Method, compile_model
 from propermodel.library.vehicle.mission import mission
 from propermodel.library.vehicle.truck import HybridTruck
 from propermodel.modelling import elaborate
@@ -23,25 +24,29 @@ FUEL = "engine.fuel_meter.mass"
 
 @dataclass(frozen=True)
 class Figure:
-    """A published number; `why` says why ours differs."""
+    """A published number and ours, which may be off by `within` from the README; `why` says why ours differs."""
 
     name: str
     published: float
+    here: float
+    within: float
     unit: str
     why: str
 
 
 FIGURES = (
-    Figure("duration of the mission", 2200.0, "s", "same"),
-    Figure("share of the most active element", 25.5, "%", "mass, speeds and stops of the mission"),
-    Figure("share of the first 15 elements", 90.0, "%", "'about' in the text"),
-    Figure("elements kept at 99 %", 30, "", "parameters; roughness of the road"),
-    Figure("activity kept at 99 %", 99.22, "%", "where the last kept element ends"),
-    Figure("elements removed at 99 %", 27, "", "driven parts go here too; what is not small at its junction stays"),
-    Figure("fuel of the full truck", 6.9404, "kg", "mission, engine and vehicle"),
-    Figure("fuel of the reduced truck", 6.9326, "kg", "mission, engine and vehicle"),
-    Figure("difference in fuel", 0.11, "%", "which elements go"),
-    Figure("gain in speed", 2.5, "times", "machine, method and code: wall time here, same step"),
+    Figure("duration of the mission", 2200.0, 2200.0, 0.0, "s", "same"),
+    Figure("share of the most active element", 25.5, 24.2, 0.1, "%", "mass, speeds and stops of the mission"),
+    Figure("share of the first 15 elements", 90.0, 87.5, 0.1, "%", "'about' in the text"),
+    Figure("elements kept at 99 %", 30, 38, 0, "", "parameters; roughness of the road"),
+    Figure("activity kept at 99 %", 99.22, 99.09, 0.02, "%", "where the last kept element ends"),
+    Figure(
+        "elements removed at 99 %", 27, 25, 0, "", "driven parts go here too; what is not small at its junction stays"
+    ),
+    Figure("fuel of the full truck", 6.9404, 7.5642, 0.001, "kg", "mission, engine and vehicle"),
+    Figure("fuel of the reduced truck", 6.9326, 7.5550, 0.001, "kg", "mission, engine and vehicle"),
+    Figure("difference in fuel", 0.11, 0.12, 0.01, "%", "which elements go"),
+    Figure("gain in speed", 2.5, 1.2, inf, "times", "machine, method and code: wall time here, same step"),
 )
 MOST_ACTIVE = "chassis.body.forward_mass"
 LEAST_ACTIVE = "a rear tyre damper"
@@ -59,11 +64,11 @@ def test_the_truck_has_57_energy_elements(truck):
 @pytest.mark.slow
 def test_published_figures_beside_ours(truck, record_property):
     scenario = mission("fmtv_mixed")
-    full = simulate(truck, scenario)
+    full = simulate(truck, scenario, method=Method.ROS2, step=5e-3)
     ranking = rank_activity(full)
     reduction = plan_reduction(truck, full, ranking, threshold=0.99, protected=["chassis.speed", FUEL])
     reduced_model = compile_model(truck.model.without(reduction.removals))
-    reduced = simulate(reduced_model, scenario, record=[FUEL])
+    reduced = simulate(reduced_model, scenario, method=Method.ROS2, step=5e-3, record=[FUEL])
     assert full.ending.is_complete
     assert reduced.ending.is_complete
     kept = ranking.kept_by(0.99)
@@ -84,6 +89,7 @@ def test_published_figures_beside_ours(truck, record_property):
     print()
     for figure in FIGURES:
         record_property(figure.name, measured[figure.name])
+        assert abs(measured[figure.name] - figure.here) <= figure.within
         print(
             f"{figure.name:<34} published {figure.published:>8g} here {measured[figure.name]:>10.5g} {figure.unit:<6}"
             f" {figure.why}"
