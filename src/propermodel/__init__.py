@@ -100,6 +100,7 @@ if TYPE_CHECKING:
     from propermodel.analysis.bond_ranking import BondRanking, rank_bonds
     from propermodel.analysis.comparison import Comparison, OutputError, compare
     from propermodel.analysis.datum import measure_about
+    from propermodel.analysis.frequency_ranking import rank_frequencies
     from propermodel.analysis.linear_model import LinearModel
     from propermodel.analysis.linearise import linearise
     from propermodel.analysis.modes import Mode, Modes
@@ -209,6 +210,7 @@ _WHEN_USED = {
     "rank_activity": "analysis.activity",
     "rank_bonds": "analysis.bond_ranking",
     "measure_about": "analysis.datum",
+    "rank_frequencies": "analysis.frequency_ranking",
     "BondRanking": "analysis.bond_ranking",
     "rank_recorded": "analysis.recorded",
     "RecordedElement": "analysis.recorded",
@@ -355,6 +357,7 @@ __all__ = [
     # activity and energy
     "rank_activity",
     "rank_bonds",
+    "rank_frequencies",
     "measure_about",
     "rank_recorded",
     "RecordedElement",

@@ -296,6 +296,15 @@ def test_rank_measures_storage_about_a_point():
     assert "error[command/about]" in fail(2, "rank", MODEL, "--about-of", "tyre")
 
 
+def test_rank_by_frequency_needs_no_run():
+    printed = succeed("rank", MODEL, "--frequencies", "0.5:20", "--input", "road.flow=0.01", "--threshold", "0.99")
+    assert "datum of efforts and flows: deviations from the start of scenario waves" in printed
+    report = json.loads(succeed("rank", MODEL, "--frequencies", "0.5:20:7", "--about", "equilibrium", "--json"))
+    assert [part["name"] for part in report["parts"]] == [f"{0.5 * 40.0 ** (k / 6):.4g} Hz" for k in range(7)]
+    assert "error[command/frequencies]" in fail(2, "rank", MODEL, "--frequencies", "20:5")
+    assert "error[command/frequencies]" in fail(2, "rank", MODEL, "--frequencies", "1:2", "--input", "road.flow=much")
+
+
 def test_partition_tells_parts_and_cuts():
     printed = succeed("partition", MODEL, "--step", "0.001", "--apart")
     assert "one-way cut" in printed.splitlines()[0]

@@ -232,6 +232,12 @@ CASES = (
         cure="--about equilibrium",
     ),
     Case(
+        code="command/frequencies",
+        run=command("rank", f"{RIG}:QuarterCar", "--frequencies", "3-30"),
+        names=("3-30",),
+        cure="--frequencies 0.1:30",
+    ),
+    Case(
         code="command/point",
         run=command("linearise", f"{RIG}:QuarterCar", "--at", "1", "--equilibrium"),
         names=("--at", "--equilibrium"),

@@ -68,6 +68,12 @@ class Quarter(Component):
     )
 
 
+class Fed(Quarter):
+    """The same on a damper that gives power."""
+
+    suspension = SpringDamper(stiffness=1.0e4, damping=-1.0e3)
+
+
 class Wheel(Component):
     """Something that is not in the quarter."""
 
@@ -521,9 +527,27 @@ CASES = (
     Case(code="activity/runs", run=lambda: rank_activity([]), names=("0 runs",), cure="at least one run"),
     Case(
         code="activity/no-storage",
-        run=lambda: pm.measure_about(compile_model(elaborate(Quarter())), STEP, of=["bodi"]),
+        run=lambda: pm.measure_about(quarter(), STEP, of=["bodi"]),
         names=("bodi",),
         cure="did you mean 'body'?",
+    ),
+    Case(
+        code="activity/frequencies",
+        run=lambda: pm.rank_frequencies(quarter(), STEP, [0.0, 1.0]),
+        names=("frequencies",),
+        cure="numpy.geomspace",
+    ),
+    Case(
+        code="activity/spectrum",
+        run=lambda: pm.rank_frequencies(quarter(), STEP, [1.0], spectrum={"road.flow": (1.0, 2.0)}),
+        names=("road.flow",),
+        cure="one for each frequency",
+    ),
+    Case(
+        code="activity/unstable",
+        run=lambda: pm.rank_frequencies(compile_model(elaborate(Fed())), STEP, [1.0]),
+        names=("fed", "2 1/s"),
+        cure="a stable point",
     ),
     Case(
         code="activity/unknown-row",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from propermodel.analysis.rankable import check_runs, comparison_of, kind_of
+from propermodel.analysis.rankable import check_runs, comparison_of, rows_among
 from propermodel.analysis.ranking import (
     ActivityRanking,
     RankedPart,
@@ -114,7 +114,7 @@ def _measure(
     if window is not None:
         (window,) = windows_of([window], *span)
     name = run.scenario.name
-    kept = _rows_among(run, among)
+    kept = rows_among(run.compiled, among)
     integrals, finer = KeptIntegrals(run), None if refined is None else KeptIntegrals(refined)
 
     def part(part_name: str, between: Window | None, floor: float) -> tuple[RankedPart, dict[Path, float]]:
@@ -196,18 +196,6 @@ def datums_of(run: Trajectory) -> tuple[str, ...]:
     system = run.compiled.system
     domains = [f"{d.name}: {d.datum}" for d in run.compiled.graph.domains.values() if d.datum]
     return (*domains, *([] if system.datum is None else [f"storage: measured about the {system.datum.point}"]))
-
-
-def _rows_among(trajectory: Trajectory, among: str | None) -> set[Path]:
-    """The rows that are ranked."""
-    graph = trajectory.compiled.graph
-    found: set[Path] = set()
-    for row in trajectory.compiled.system.rows:
-        bonds = [graph.normal.bonds[name] for name in row.bonds]
-        kinds = {kind_of(graph, bond) for bond in bonds}
-        if among is None or kinds == {among}:
-            found.add(row.path)
-    return found
 
 
 def row_activities(trajectory: Trajectory) -> dict[Path, float]:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from propermodel.bondgraph.graph import Bond, BondGraph
 from propermodel.bondgraph.pseudo import is_pseudo
-from propermodel.diagnostics import Diagnostic, ReductionError, one_of
+from propermodel.compiler import CompiledModel
+from propermodel.diagnostics import Diagnostic, Path, ReductionError, one_of
 from propermodel.simulation.trajectory import Trajectory
 
 TRUE = "true"  # what true bonds are called in `rank_activity(run, among=...)`
@@ -49,7 +50,7 @@ def check_runs(runs: Sequence[Trajectory], refined: Sequence[Trajectory], among:
                 f"the runs measure storage about different points: {_point(runs[0])} and {_point(run)}",
                 help="measure all about one point: simulate what one measure_about(...) gives",
             )
-    _check_bonds(runs[0], among)
+    check_bonds(runs[0].compiled, among)
 
 
 def _point(run: Trajectory) -> str:
@@ -67,8 +68,13 @@ def _check_complete(trajectory: Trajectory, name: str) -> None:
         )
 
 
-def _check_bonds(trajectory: Trajectory, among: str | None) -> None:
-    graph = trajectory.compiled.graph
+def check_bonds(compiled: CompiledModel, among: str | None) -> None:
+    """Refuse to rank true and pseudo bonds together.
+
+    Raises:
+        ReductionError: they would be, or there are no bonds of this name.
+    """
+    graph = compiled.graph
     pseudo = sorted({domain.name for domain in graph.domains.values() if not domain.is_true})
     if among is not None and among not in (TRUE, *pseudo):
         raise ReductionError.of(
@@ -76,7 +82,7 @@ def _check_bonds(trajectory: Trajectory, among: str | None) -> None:
             f"there are no bonds called '{among}' to rank",
             help=one_of(among, (TRUE, *pseudo)),
         )
-    bonds = [graph.normal.bonds[name] for row in trajectory.compiled.system.rows for name in row.bonds]
+    bonds = [graph.normal.bonds[name] for row in compiled.system.rows for name in row.bonds]
     kinds = {kind_of(graph, bond): bond for bond in reversed(bonds)}
     if among is None and len(kinds) > 1:
         name, bond = next((name, bond) for name, bond in kinds.items() if name != TRUE)
@@ -91,6 +97,17 @@ def _check_bonds(trajectory: Trajectory, among: str | None) -> None:
                 )
             ]
         )
+
+
+def rows_among(compiled: CompiledModel, among: str | None) -> set[Path]:
+    """The rows that are ranked."""
+    graph = compiled.graph
+    found: set[Path] = set()
+    for row in compiled.system.rows:
+        kinds = {kind_of(graph, graph.normal.bonds[name]) for name in row.bonds}
+        if among is None or kinds == {among}:
+            found.add(row.path)
+    return found
 
 
 def comparison_of(run: Trajectory, refined: Trajectory) -> str:

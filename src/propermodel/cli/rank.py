@@ -26,9 +26,11 @@ from propermodel.cli.rank_windows import parse_windows
 
 if TYPE_CHECKING:
     from propermodel.analysis.ranking import ActivityRanking
-    from propermodel.cli.models import Subject
+    from propermodel.catalogue.finding import Subject
     from propermodel.compiler import CompiledModel
+    from propermodel.modelling.model import Scenario
     from propermodel.reduction.prediction import Prediction
+    from propermodel.simulation.equilibrium import Equilibrium
 
 
 class Point(StrEnum):
@@ -89,6 +91,21 @@ def rank(
         list[str] | None,
         typer.Option("--about-of", help="Only storage of this part or element; may be given again.", metavar="PATH"),
     ] = None,
+    frequencies: Annotated[
+        str | None,
+        typer.Option(
+            help="Rank small deviations from a point by frequency responses, without simulation; in Hz.",
+            metavar="FROM:TO[:COUNT]",
+        ),
+    ] = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            help="With --frequencies: what moves the model, and its spectral density; may be given again.",
+            metavar="PATH[=DENSITY]",
+        ),
+    ] = None,
     bonds: Annotated[
         bool,
         typer.Option("--bonds", help="Rank every bond, and each among those of its junctions; tell idle junctions."),
@@ -99,7 +116,7 @@ def rank(
     """Rank the energy elements of a model by activity, and with --output by what their removal would change.
 
     Several scenarios and windows are ranked each by itself, too: rows are sorted by their largest index. With --map,
-    efforts and flows that another tool has recorded are ranked.
+    efforts and flows that another tool has recorded are ranked; with --frequencies, small deviations.
     """
     wanted = None if windows is None else parse_windows(windows)
     if map_file is not None:
@@ -126,7 +143,14 @@ def rank(
         )
         for name in (scenario or [None])
     ]
-    compiled = _measured(compile_model(subjects[0].model), subjects[0], about, of)
+    compiled = compile_model(subjects[0].model)
+    if frequencies is not None:
+        from propermodel.cli.rank_frequencies import rank_between
+
+        found = rank_between(compiled, _point(compiled, subjects[0], about), frequencies, inputs)
+        _show(found, threshold, None, {"model": compiled.model.name}, as_json, as_csv)
+        return
+    compiled = _measured(compiled, subjects[0], about, of)
     found = runs_of(compiled, subjects, window, wanted, refine)
     if bonds:
         from propermodel.cli.rank_bonds import show_bonds
@@ -147,11 +171,15 @@ def _measured(compiled: CompiledModel, subject: Subject, about: Point | None, of
     if about is None:
         return compiled
     from propermodel.analysis.datum import measure_about
+
+    return measure_about(compiled, _point(compiled, subject, about), of=of or None)
+
+
+def _point(compiled: CompiledModel, subject: Subject, about: Point | None) -> Scenario | Equilibrium:
+    """The start of the scenario, or the equilibrium that it leads to."""
     from propermodel.simulation.equilibrium import find_equilibrium
 
-    scenario = subject.scenario
-    at = scenario if about is Point.START else find_equilibrium(compiled, scenario)
-    return measure_about(compiled, at, of=of or None)
+    return find_equilibrium(compiled, subject.scenario) if about is Point.EQUILIBRIUM else subject.scenario
 
 
 def _show(
