@@ -114,15 +114,12 @@ class Prediction:
                     f"the output '{path}' never changes in this run, so a share of its range says nothing",
                     help="choose an output that moves, or a scenario in which it does",
                 )
-        self.responses = Responses(
-            own=gains[:, : 2 * count],
-            answers=answers,
-            amplitudes=self._spectra.amplitudes,
-            line=self._spectra.line,
-            deviations=np.zeros((len(gains), 2 * count), dtype=np.complex128),
-            changes=np.zeros((len(gains), len(outputs)), dtype=np.complex128),
-            ranges=np.array([self._ranges[path] for path in outputs]),
-            full=np.abs(gains[:, np.arange(2 * count), np.tile(np.arange(count), 2)]),
+        self.responses = Responses.of_full(
+            gains[:, : 2 * count],
+            answers,
+            self._spectra.amplitudes,
+            self._spectra.line,
+            np.array([self._ranges[path] for path in outputs]),
         )
 
     @property
