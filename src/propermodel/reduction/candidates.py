@@ -19,7 +19,18 @@ from propermodel.reduction.prediction import PredictedRow
 from propermodel.simulation.stepping import Stepping
 from propermodel.simulation.zeros import listed
 
+FRAGILE = 1.5  # times the error of all removals together: what one alone may cost, as predictions are not exact
 MARGIN = 0.8  # of the tolerance: what a recommended model may use, as other scenarios cost more
+
+
+def is_fragile(alone: float, together: float) -> bool:
+    """Whether one removal alone is predicted to cost far more than all do: their errors cancel.
+
+    Args:
+        alone: The predicted error of the removal, in its best way, over the tolerance.
+        together: The error of all removals over the tolerance.
+    """
+    return alone > FRAGILE * together
 
 
 class Verdict(StrEnum):
@@ -48,7 +59,7 @@ class Candidate:
     states: int
     comparisons: Mapping[str, Comparison] = field(default_factory=dict[str, Comparison])  # by scenario
     cost: float = math.nan  # seconds of computing per simulated second
-    fragile: tuple[Path, ...] = ()  # rows that alone are predicted to cost more than all together
+    fragile: tuple[Path, ...] = ()  # rows of which `is_fragile` is true
 
     def __str__(self) -> str:
         measured = f"{self.score:.2f}" if np.isfinite(self.score) else "-"

@@ -15,7 +15,7 @@ from propermodel.diagnostics import Path, ReductionError, SimulationError
 from propermodel.modelling.model import Model, Removal, Scenario
 from propermodel.modelling.removal_words import removal_text
 from propermodel.presentation import notebook_html
-from propermodel.reduction.candidates import Candidate, ProperModelSearch, Verdict
+from propermodel.reduction.candidates import Candidate, ProperModelSearch, Verdict, is_fragile
 from propermodel.reduction.certificate import (
     Certificate,
     CertifiedOutput,
@@ -29,7 +29,6 @@ from propermodel.reduction.prediction import PredictedRow
 from propermodel.reduction.ranges import SAMPLES, GivenRanges, SampledRanges, ranges_of, sample_ranges
 from propermodel.simulation.trajectory import Trajectory
 
-FRAGILE = 1.25  # times the error of all removals together, so that rounding of predictions flags nothing
 INSTANTS = (0.0, 0.5, 1.0)  # of a run, as shares of it, at which spectra are compared
 RECHECK = "propermodel verify certificate.json, with the files it names beside it"
 _IDLE = "idle: the other removals leave it nothing to act on"
@@ -264,7 +263,7 @@ def _removed_by_search(
                 removals=own,
                 why=_reason(own, alone, together),
                 alone=alone,
-                is_fragile=_is_fragile(alone, together, search),
+                is_fragile=_costs_more_alone(alone, together, search),
             )
         )
     return found
@@ -285,12 +284,12 @@ def _reason(own: tuple[Removal, ...], alone: Mapping[Path, float], together: Map
     )
 
 
-def _is_fragile(alone: Mapping[Path, float], together: Mapping[Path, float], search: ProperModelSearch) -> bool:
+def _costs_more_alone(alone: Mapping[Path, float], together: Mapping[Path, float], search: ProperModelSearch) -> bool:
     """Whether one removal alone would cost more than all of them, each output counted by what it may change."""
     if not alone:
         return False
     allowed = {path: tolerance.smallest for path, tolerance in search.tolerances.items()}
-    return max(alone[p] / allowed[p] for p in alone) > FRAGILE * max(together[p] / allowed[p] for p in together)
+    return is_fragile(max(alone[p] / allowed[p] for p in alone), max(together[p] / allowed[p] for p in together))
 
 
 def _not_checked(claim: Claim, ranges: SampledRanges | None) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from propermodel.compiler import CompiledModel, compile_quietly
 from propermodel.diagnostics import Path, ProperModelError, ReductionError
 from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Removal, Scenario
-from propermodel.reduction.candidates import Candidate, Verdict
+from propermodel.reduction.candidates import Candidate, Verdict, is_fragile
 from propermodel.reduction.claim import Condition
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
@@ -30,7 +30,6 @@ from propermodel.reduction.watched_run import WatchedRun, run_watched
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.trajectory import Trajectory
 
-FAR_MORE = 1.5
 ROWS = 2000  # recorded of each run, where nothing else is asked for
 
 
@@ -183,7 +182,7 @@ class Trials:
 
     def _fragile(self, choice: Choice, score: float) -> tuple[Path, ...]:
         """The rows that alone, however replaced, are predicted to change far more than all do: errors cancel."""
-        return tuple(sorted(row for row in choice if self.proposals.alone.get(row, math.inf) > FAR_MORE * score))
+        return tuple(sorted(row for row in choice if is_fragile(self.proposals.alone.get(row, math.inf), score)))
 
     def _reformulated(self, choice: Choice) -> tuple[tuple[Removal, ...], CompiledModel]:
         """The model that a choice leaves, and the removals with the signals that keep a constant.
