@@ -6,9 +6,11 @@ with it, so that groups need no search of their own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,8 +23,10 @@ WIDTH = 6  # sets of one size that are carried on
 WIDTH_OF_LARGE = 3  # in models of more than `LARGE` rows
 LARGE = 20
 PASSING = 3.0  # times the tolerance: what a set may be predicted to cost on the way to one that cancels it
+ALIKE = 1e-3  # scores that differ by less than this share belong to models that answer alike
 _FREE = 1e-6  # an increase of the error by less than this share of the tolerance costs nothing
 
+T = TypeVar("T")
 Choice = Mapping[Path, tuple[Replacement, ...]]  # of each row that goes: what replaces it
 
 
@@ -63,6 +67,26 @@ class Node(Proposed):
 def removals_of(choice: Choice) -> frozenset[Replacement]:
     """All removals of a choice."""
     return frozenset(removal for way in choice.values() for removal in way)
+
+
+def sorted_by_score(nodes: Iterable[Proposed]) -> list[Proposed]:
+    """The least predicted score first; what is alike in it comes after all that differ."""
+    return _distinct_first(sorted(nodes, key=lambda node: node.score), lambda node: node.score)
+
+
+def _distinct_first(items: Sequence[T], score: Callable[[T], float]) -> list[T]:
+    """Items in rising order of their scores, those after the others whose score nearly equals that of the one before.
+
+    Sets with one score mostly differ in something that no output feels: to try another says nothing more.
+    """
+    distinct: list[T] = []
+    alike: list[T] = []
+    last = -math.inf
+    for item in items:
+        is_alike = score(item) - last <= ALIKE * score(item)
+        (alike if is_alike else distinct).append(item)
+        last = score(item)
+    return distinct + alike
 
 
 def _in_order(choice: Choice) -> list[Replacement]:
@@ -177,7 +201,7 @@ class Proposals:
         """The choices with one row back in its place, that which helps most first."""
         without = ({row: way for row, way in choice.items() if row != back} for back in choice)
         found = (self.proposed(fewer) if fewer else Proposed({}, 0.0) for fewer in without)
-        return sorted((proposed for proposed in found if proposed is not None), key=lambda proposed: proposed.score)
+        return sorted_by_score(proposed for proposed in found if proposed is not None)
 
     @property
     def is_large(self) -> bool:
@@ -201,7 +225,7 @@ class Proposals:
                 key=lambda offer: (offer[0], offer[1], offer[2].row),
             )
             following: list[Node] = []
-            for _, number, extension in offers:
+            for _, number, extension in _distinct_first(offers, lambda offer: offer[0]):
                 if len(following) == width:
                     break
                 way = frozenset(extension.way)
@@ -215,43 +239,39 @@ class Proposals:
                 following.append(node)
                 pools.setdefault(len(node.choice), []).append(node.alone())
             here = following
-        return {size: sorted(nodes, key=lambda node: node.score) for size, nodes in pools.items()}
+        return {size: sorted_by_score(nodes) for size, nodes in pools.items()}
 
     # -- one row -----------------------------------------------------------------------------------------
 
     def _score(self, errors: FloatArray) -> float:
         return float(np.max(errors / self._tolerances))
 
-    def _score_of(
-        self,
-        scenario: int,
-        left: Responses,
-        way: tuple[Replacement, ...],
-        known: dict[tuple[type[Replacement], int], FloatArray],
-    ) -> float | None:
-        """The score after one more way; ways at one port are computed together, when first asked for."""
-        moves = [self._predictions[scenario].move(removal) for removal in way]
-        if len(moves) > 1:
-            errors = left.errors_without(moves)
-            return None if errors is None else self._score(errors)
-        (move,) = moves
-        key = (type(way[0]), scenario)
-        if key not in known:
-            known[key] = self._singles(scenario, left, key[0])
-        errors = known[key][:, move.law]
-        return None if np.any(np.isnan(errors)) else self._score(errors)
-
-    def _singles(self, scenario: int, left: Responses, kind: type[Replacement]) -> FloatArray:
-        """The errors of every port with one kind of replacement."""
-        variables, values = np.zeros(left.ports), np.zeros(left.ports)
-        prediction = self._predictions[scenario]
-        for ways in self._ways.values():
-            for way in ways:
-                for removal in way:
-                    if type(removal) is kind:
-                        move = prediction.move(removal)
-                        variables[move.law], values[move.law] = move.variable, move.value
-        return left.single_errors(variables, values)
+    def _scores(self, scenario: int, left: Responses, ways: Sequence[tuple[Replacement, ...]]) -> list[float | None]:
+        """The score after each of some ways alone, one scenario's; None where it leaves no solution."""
+        moves = [[self._predictions[scenario].move(removal) for removal in way] for way in ways]
+        found: list[float | None] = [None] * len(ways)
+        # Those of one and of two ports are most of them, and computed together.
+        groups: dict[object, list[int]] = {}
+        for number, way in enumerate(ways):
+            kind = type(way[0]) if len(way) == 1 else len(way)
+            groups.setdefault(kind, []).append(number)
+        for kind, numbers in groups.items():
+            if kind == 2:
+                errors = left.errors_of_pairs([moves[k][0] for k in numbers], [moves[k][1] for k in numbers])
+            elif isinstance(kind, type):
+                laws = [moves[k][0].law for k in numbers]
+                variables, values = np.zeros(left.ports), np.zeros(left.ports)
+                variables[laws], values[laws] = zip(
+                    *((moves[k][0].variable, moves[k][0].value) for k in numbers), strict=True
+                )
+                errors = left.single_errors(variables, values)[:, laws]
+            else:
+                several = [left.errors_without(moves[k]) for k in numbers]
+                nothing = np.full(len(self._tolerances), np.nan)
+                errors = np.array([nothing if item is None else item for item in several]).T
+            for number, column in zip(numbers, errors.T, strict=True):
+                found[number] = None if np.any(np.isnan(column)) else self._score(column)
+        return found
 
     def _with(self, node: Node, row: Path, way: tuple[Replacement, ...]) -> Node | None:
         left: list[Responses] = []
@@ -265,15 +285,18 @@ class Proposals:
         return Node(choice, score, tuple(left), self._offers(choice, left))
 
     def _offers(self, choice: Choice, left: Sequence[Responses]) -> tuple[Extension, ...]:
-        singles: dict[tuple[type[Replacement], int], FloatArray] = {}
+        gone = removals_of(choice)
+        open_ways = [
+            (row, way)
+            for row in self._rows
+            if row not in choice
+            for way in self._ways[row]
+            if not (self._refused and self.is_refused(gone | frozenset(way)))
+        ]
+        every = [self._scores(k, responses, [way for _, way in open_ways]) for k, responses in enumerate(left)]
         found: list[Extension] = []
-        for row in self._rows:
-            if row in choice:
-                continue
-            for way in self._ways[row]:
-                if self._refused and self.is_refused(removals_of(choice) | frozenset(way)):
-                    continue
-                scores = [self._score_of(k, responses, way, singles) for k, responses in enumerate(left)]
-                if all(score is not None for score in scores):
-                    found.append(Extension(row, way, max(score for score in scores if score is not None)))
+        for (row, way), scores in zip(open_ways, zip(*every, strict=True), strict=True):
+            known = [score for score in scores if score is not None]
+            if len(known) == len(scores):
+                found.append(Extension(row, way, max(known)))
         return tuple(sorted(found, key=lambda extension: (extension.score, extension.row)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import os
 import statistics
@@ -13,10 +12,13 @@ from concurrent.futures import ThreadPoolExecutor
 from propermodel.diagnostics import Path
 from propermodel.reduction.candidates import Candidate, Verdict
 from propermodel.reduction.prediction import Replacement
-from propermodel.reduction.proposals import PASSING, Choice, Node, Proposed
+from propermodel.reduction.proposals import PASSING, Choice, Node, Proposed, removals_of, sorted_by_score
 from propermodel.reduction.trials import Prepared, Trials
 
 TRIES_PER_SIZE = 3
+TRIES_PER_SIZE_OF_LARGE = 8
+NEAR_MISS = 2.0  # times the tolerance
+TRIES_BEFORE_NET = 40  # simulations without a success after which a beam is given up in a large model
 TRIES_TO_REFINE = 8
 TRIES_OF_PAIRS = 12
 PAIRS = 2.0  # times the tolerance: what a pair of removals may be predicted to cost
@@ -55,27 +57,45 @@ class Strategy:
     # -- from predictions ----------------------------------------------------------------------------------
 
     def _largest_within(self, pools: dict[int, list[Proposed]]) -> Choice:
-        """The largest set that simulation confirms, among those of a beam."""
+        """The largest set that simulation confirms, among those of a beam and of what is near them."""
         best: Choice = {}
         failed = math.inf  # sizes from here on
-        while not self._is_spent():
+        tries = TRIES_PER_SIZE_OF_LARGE if self._trials.proposals.is_large else TRIES_PER_SIZE
+        while not self._is_spent() and not (not best and self._is_astray()):
             pools = self._without_refused(pools)
-            sizes = [size for size in pools if len(best) < size < failed and self._is_open(pools[size])]
+            open_pools = {
+                size: [node for node in nodes[:tries] if node.key not in self.tried]
+                for size, nodes in pools.items()
+                if len(best) < size < failed
+            }
+            sizes = [size for size, nodes in open_pools.items() if nodes]
             if not sizes:
                 break
             likely = [size for size in sizes if pools[size][0].score * self._correction() <= 1.0]
             size = max(likely, default=min(sizes))
-            tries = pools[size][:TRIES_PER_SIZE]
             before = len(self.tried)
-            found = self._first_within(tries)
+            found = self._first_within(open_pools[size])
             if found is not None:
                 best = found.choice
-            elif len(self.tried) == before or any(self._is_judged(node) for node in tries):
+                continue
+            if len(self.tried) == before or any(self._is_judged(node) for node in pools[size][:tries]):
                 failed = size
+            if self._trials.proposals.is_large:
+                self._add_near_misses(pools, open_pools[size])
         return best
 
-    def _is_open(self, nodes: Iterable[Proposed]) -> bool:
-        return any(node.key not in self.tried for node in itertools.islice(nodes, TRIES_PER_SIZE))
+    def _add_near_misses(self, pools: dict[int, list[Proposed]], nodes: Iterable[Proposed]) -> None:
+        """Beside a set that was almost within the tolerances: the same with one of its rows back.
+
+        Decisions that come a little sooner or later make true errors jump from one set to the next, where predicted
+        ones do not; so what is near a miss is worth as much as what a beam has found.
+        """
+        for node in nodes:
+            candidate = self.tried.get(node.key)
+            if candidate is not None and candidate.comparisons and 1.0 < candidate.score <= NEAR_MISS:
+                pool = pools.setdefault(len(node.choice) - 1, [])
+                known = {other.key for other in pool}
+                pool += [fewer for fewer in self._trials.proposals.restored(node.choice) if fewer.key not in known]
 
     def _is_judged(self, node: Proposed) -> bool:
         return node.key in self.tried and self.tried[node.key].verdict is not Verdict.REFUSED
@@ -97,9 +117,9 @@ class Strategy:
                     if fewer is not None and fewer.choice and fewer.key not in found:
                         pending.append(fewer)
         sizes: dict[int, list[Proposed]] = {}
-        for node in sorted(found.values(), key=lambda node: node.score):
+        for node in found.values():
             sizes.setdefault(len(node.choice), []).append(node)
-        return sizes
+        return {size: sorted_by_score(nodes) for size, nodes in sizes.items()}
 
     # -- the net ---------------------------------------------------------------------------------------------
 
@@ -208,7 +228,8 @@ class Strategy:
         if isinstance(prepared, Candidate):
             self._keep(node, prepared)
             part = self._trials.fewest_refused(node.choice)
-            self._trials.proposals.refuse(frozenset(removal for way in part.values() for removal in way))
+            if part is not None:
+                self._trials.proposals.refuse(removals_of(part))
             return []
         known = self._same.get(prepared.fingerprint)
         if known is not None:
@@ -229,6 +250,10 @@ class Strategy:
     def _is_trusted(self) -> bool:
         """Whether the latest errors were much as predicted."""
         return 1.0 / TRUSTED <= self._correction() <= TRUSTED
+
+    def _is_astray(self) -> bool:
+        """Whether nothing has passed for so long that the beam of a large model will not lead anywhere."""
+        return self._trials.proposals.is_large and self.simulations >= TRIES_BEFORE_NET
 
     def _lenience(self) -> float:
         """The correction of limits that are generous already: they only widen."""

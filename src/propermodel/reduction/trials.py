@@ -96,8 +96,12 @@ class Trials:
         program = compiled.lowered.program
         return Prepared(node, removals, compiled, fingerprint((program, tuple(compiled.graph.parameters.values()))))
 
-    def fewest_refused(self, choice: Choice) -> Choice:
-        """The fewest rows of a refused choice that are refused together."""
+    def fewest_refused(self, choice: Choice) -> Choice | None:
+        """The fewest rows of a refused choice that are refused together, whatever else goes; None if there are none.
+
+        A conflict of strokes and an output that is gone stay, whatever else goes. Not so what equations alone show:
+        storage that depends on its own answer may no longer do so when its neighbour has gone as well.
+        """
 
         def has_no_strokes(part: Choice) -> bool:
             try:
@@ -106,15 +110,18 @@ class Trials:
                 return True
             return False
 
-        def has_no_equations(part: Choice) -> bool:
+        def has_lost_an_output(part: Choice) -> bool:
             try:
                 _, compiled = self._reformulated(part)
             except ProperModelError:
-                return True
+                return False
             return any(path not in compiled.lowered.observables for path in self.tolerances)
 
-        # Strokes alone say it far sooner than equations.
-        return fewest_refused(choice, has_no_strokes if has_no_strokes(choice) else has_no_equations)
+        # Strokes say it far sooner than equations.
+        for is_refused in (has_no_strokes, has_lost_an_output):
+            if is_refused(choice):
+                return fewest_refused(choice, is_refused)
+        return None
 
     def judge(self, prepared: Prepared) -> tuple[Candidate, int]:
         """Simulate a candidate on every scenario, the hardest first, until one is outside; how many runs that took."""
