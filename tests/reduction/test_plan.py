@@ -97,6 +97,23 @@ def test_a_protected_output_keeps_its_element():
     assert reason.endswith("but the protected output body.flange.flow would not exist or would never change")
 
 
+def test_a_locked_row_stays_and_a_released_one_is_tested():
+    car = quarter_car()
+    _, _, free = planned(car, 4.0, threshold=0.9)
+    gone = free.removed[0].row.path
+    _, _, locked = planned(car, 4.0, threshold=0.9, keep=[gone])
+    decision = next(d for d in locked.decisions if d.row.path == gone)
+    assert (decision.verdict, decision.reason) == (Verdict.KEPT, "locked: it was to be kept")
+    assert locked.kept_by_threshold == free.kept_by_threshold
+    most = free.decisions[0].row.path
+    _, _, released = planned(car, 4.0, threshold=0.9, release=[most])
+    decision = next(d for d in released.decisions if d.row.path == most)
+    assert decision.verdict is Verdict.REFUSED  # it is tested, and carries the most
+    assert decision.cause is not None
+    with pytest.raises(ReductionError, match="the ranking has no row 'seat'"):
+        planned(car, 4.0, keep=["seat"])
+
+
 def test_an_unknown_protected_output_is_refused():
     with pytest.raises(ReductionError, match=r"the protected output 'body\.flange\.speed' does not exist"):
         planned(quarter_car(), 0.1, protected=["body.flange.speed"])

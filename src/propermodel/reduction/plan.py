@@ -145,6 +145,8 @@ def plan_reduction(
     protected: Iterable[Expr | Path | str] = (),
     tolerance: float = 0.1,
     drop_driven: bool = True,
+    keep: Iterable[Path | str] = (),
+    release: Iterable[Path | str] = (),
 ) -> Reduction:
     """Decide which rows go and what replaces them.
 
@@ -162,9 +164,11 @@ def plan_reduction(
         protected: Observables that must stay defined.
         tolerance: Largest share that a neglected term may have at its junction.
         drop_driven: Let driven parts go that feed no protected output, although they are active.
+        keep: Rows that stay, however little they do.
+        release: Rows that are tested as if they were below the threshold, however much they do.
 
     Raises:
-        ReductionError: the threshold is no share, or a protected output does not exist.
+        ReductionError: the threshold is no share, or a protected output or a row does not exist.
     """
     rules = Rules(
         threshold=threshold,
@@ -179,21 +183,41 @@ def plan_reduction(
                 f"the protected output '{path}' does not exist",
                 help=one_of(str(path), map(str, compiled.lowered.observables)),
             )
-    keep = {row.path for row in ranking.kept_by(threshold)}
+    locked, released = _rows(ranking, keep), _rows(ranking, release)
+    kept = ({row.path for row in ranking.kept_by(threshold)} | locked) - released
     evidence = RunEvidence.of(compiled, trajectory)
     modes = ModeWatch(trajectory)
-    candidates = [row for row in ranking.rows if row.path not in keep]
-    proposals, groups = _propose(evidence, ranking, candidates, keep, rules)
-    judge = Judge(compiled, evidence, modes, keep, rules)
+    candidates = [row for row in ranking.rows if row.path not in kept]
+    # What lies in no group: a driven part may go with rows that the threshold keeps, but not with locked ones.
+    inviolable = locked if drop_driven else kept
+    proposals, groups = _propose(evidence, ranking, candidates, inviolable, rules)
+    judge = Judge(compiled, evidence, modes, kept, rules)
     accepted, refused = judge.verify(proposals)
-    return _assemble(ranking, judge, accepted, refused, groups)
+    return _assemble(ranking, judge, accepted, refused, groups, locked)
+
+
+def _rows(ranking: ActivityRanking, names: Iterable[Path | str]) -> set[Path]:
+    """The rows of these names.
+
+    Raises:
+        ReductionError: one does not exist.
+    """
+    known = {row.path for row in ranking.rows}
+    found = {observable_path(name) for name in names}
+    for path in found - known:
+        raise ReductionError.of(
+            "reduction/unknown-row",
+            f"the ranking has no row '{path}'",
+            help=one_of(str(path), map(str, known)),
+        )
+    return found
 
 
 def _propose(
     evidence: RunEvidence,
     ranking: ActivityRanking,
     candidates: list[ActivityRow],
-    keep: set[Path],
+    inviolable: set[Path],
     rules: Rules,
 ) -> tuple[list[Proposal], tuple[Group, ...]]:
     by_row = {row.path: row for row in ranking.rows}
@@ -202,7 +226,7 @@ def _propose(
     while True:
         settled = {path for p in constants for path in p.rows}
         open_rows = {row.path for row in candidates} - settled
-        staying = settled | protected | (set() if rules.drop_driven else keep)
+        staying = settled | protected | inviolable
         groups = find_groups(evidence, open_rows, staying, GroupRules(rules.tolerance, rules.drop_driven))
         # A slow store inside a group is better a constant source, which the rest of the group then meets.
         inner = [by_row[path] for group in groups for path in group.rows if path not in open_rows]
@@ -225,6 +249,7 @@ def _assemble(
     accepted: list[Proposal],
     refused: list[Proposal],
     groups: tuple[Group, ...],
+    locked: set[Path],
 ) -> Reduction:
     rules, removals = judge.rules, removals_of(accepted)
     frozen, reduced = judge.reduce(accepted)
@@ -244,7 +269,8 @@ def _assemble(
             reason = "the other removals leave it nothing to act on"
             decisions.append(Decision(row, Verdict.REMOVED, (), "idle", reason, ways))
         else:
-            reason = f"above the threshold of {rules.threshold:.1%}"
+            above = f"above the threshold of {rules.threshold:.1%}"
+            reason = "locked: it was to be kept" if row.path in locked else above
             decisions.append(Decision(row, Verdict.KEPT, (), "", reason, ways))
     return Reduction(
         threshold=rules.threshold,
@@ -253,7 +279,7 @@ def _assemble(
         groups=tuple(g for g in groups if any(set(g.rows) & set(p.rows) for p in accepted)),
         frozen=frozen,
         removals=(*removals, *frozen),
-        kept_by_threshold=len(judge.keep),
+        kept_by_threshold=len(ranking.kept_by(rules.threshold)),
         protected=rules.protected,
         notes=tuple(_notes(judge, accepted, frozen, reduced)),
     )
