@@ -20,6 +20,7 @@ from propermodel.library.vehicle.mission import mission
 from propermodel.modelling.documents import to_document
 from propermodel.modelling.limits import LIMITS
 from propermodel.reduction.certify import make_certificate
+from propermodel.simulation.reopening import reopened
 from tests.faults.case import Case
 from tests.faults.simulation_cases import STEP, claimed, quarter, run
 
@@ -52,6 +53,12 @@ def too_large() -> object:
     with path.open("wb") as stream:
         stream.truncate(LIMITS.file_bytes + 1)
     return pm.read_model(path)
+
+
+def partial_run() -> object:
+    path = file_of("", "run.npz")
+    pm.save_trajectory(run(), path, only=["body.flange.flow"])
+    return reopened(pm.load_trajectory(path))
 
 
 def missing_column() -> object:
@@ -98,6 +105,7 @@ def changed_beside() -> object:
 
 
 CASES = (
+    Case(code="document/partial-run", run=partial_run, names=("a part of what",), cure="with all observables"),
     Case(
         code="document/file",
         run=lambda: pm.read_model("nowhere/model.json"),

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import json
 import socket
 from collections.abc import Callable, Coroutine
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from typer.testing import CliRunner
 
 from propermodel.cli.app import app
 from propermodel.diagnostics import parse_path
+from propermodel.studio.activity_task import compare
 from propermodel.studio.app import Studio, make_app
 from propermodel.studio.faults import StudioError, unexpected
 from propermodel.studio.folder import Folder, Trust
@@ -21,12 +24,14 @@ from propermodel.studio.guard import MOST_BYTES, Door
 from propermodel.studio.job import Job, JobKind, JobState
 from propermodel.studio.orders import RunOrder
 from propermodel.studio.recorded import RecordedRun, RecordedRuns
+from propermodel.studio.results import bonds_of
 from propermodel.studio.run_task import ordered_subject
 from propermodel.studio.server import listening
+from propermodel.studio.worker import Control
 from propermodel.studio.workers import Worker, Workers
 from tests.faults.case import Case
 from tests.faults.document_cases import file_of
-from tests.faults.simulation_cases import run
+from tests.faults.simulation_cases import STEP, quarter, run
 
 DOOR = Door(8000, "secret")
 JSON = ("content-type", "application/json")
@@ -42,11 +47,20 @@ def studio() -> Studio:
     return Studio(served.root, Trust(served.root / "trust.json"))
 
 
-def answer(path: str, *headers: tuple[str, str], method: str = "GET", cookie: str = "secret") -> Callable[[], str]:
+def answer(
+    path: str,
+    *headers: tuple[str, str],
+    method: str = "GET",
+    cookie: str = "secret",
+    data: object = None,
+    prepare: Callable[[Studio], None] = lambda _: None,
+) -> Callable[[], str]:
     """What the server answers, as it would be printed."""
 
     def ask() -> str:
-        status, body = asyncio.run(_ask(path, headers, method, cookie))
+        served = studio()
+        prepare(served)
+        status, body = asyncio.run(_ask(served, path, headers, method, cookie, json.dumps(data).encode()))
         assert status >= 400
         text = body.decode()
         if text.startswith("{"):
@@ -57,7 +71,9 @@ def answer(path: str, *headers: tuple[str, str], method: str = "GET", cookie: st
     return ask
 
 
-async def _ask(path: str, headers: tuple[tuple[str, str], ...], method: str, cookie: str) -> tuple[int, bytes]:
+async def _ask(
+    served: Studio, path: str, headers: tuple[tuple[str, str], ...], method: str, cookie: str, content: bytes
+) -> tuple[int, bytes]:
     given = {"host": "127.0.0.1:8000", "cookie": f"{DOOR.cookie}={cookie}", **dict(headers)}
     name, _, query = path.partition("?")
     scope = {
@@ -71,12 +87,12 @@ async def _ask(path: str, headers: tuple[tuple[str, str], ...], method: str, coo
     sent: list[Message] = []
 
     async def receive() -> Message:
-        return {"type": "http.request", "body": b"{}", "more_body": False}
+        return {"type": "http.request", "body": content, "more_body": False}
 
     async def send(message: Message) -> None:
         sent.append(message)
 
-    await make_app(studio(), DOOR)(scope, receive, send)
+    await make_app(served, DOOR)(scope, receive, send)
     return sent[0]["status"], b"".join(message.get("body", b"") for message in sent[1:])
 
 
@@ -114,6 +130,17 @@ def recorded() -> RecordedRun:
     return RecordedRuns().get(file)
 
 
+def saved(start: float, stop: float) -> str:
+    """The file of a run."""
+    import propermodel as pm
+
+    file = file_of("", "run.npz")
+    pm.simulate(
+        quarter(), replace(STEP, start=start, stop=stop), record_every=0.01, integrals_every=0.05, record_to=file
+    )
+    return str(file)
+
+
 def job(**changes: Any) -> Job:
     given: dict[str, Any] = {
         "id": "1",
@@ -132,6 +159,16 @@ def busy() -> object:
     (served.folder.root / "propermodel-runs" / "1").mkdir(parents=True)
     served.queue.add(job(state=JobState.RUNNING))
     return asyncio.run(served.queue.delete("1"))
+
+
+def body(path: str, data: object) -> Callable[[], str]:
+    """What is answered to an order, of a folder with a run that has failed."""
+    return answer(path, JSON, method="POST", data=data, prepare=with_failed_run)
+
+
+def with_failed_run(served: Studio) -> None:
+    (served.folder.root / "propermodel-runs" / "1").mkdir(parents=True)
+    served.queue.add(job(state=JobState.FAILED))
 
 
 def taken_port() -> str:
@@ -191,6 +228,12 @@ CASES = (
         names=("evil.example",),
         cure="open http://127.0.0.1:8000/",
     ),
+    Case(
+        code="studio/incomplete",
+        run=body("/api/reductions", {"run": "1", "threshold": 0.9}),
+        names=("job 1 is no complete run",),
+        cure="to its end first",
+    ),
     Case(code="studio/job", run=lambda: studio().queue.get("12"), names=("'12'",), cure="reload the list"),
     Case(
         code="studio/method",
@@ -199,6 +242,12 @@ CASES = (
         cure="semi-implicit-euler",
     ),
     Case(code="studio/model", run=lambda: folder().model("half-kar"), names=("half-kar",), cure="'half-car'"),
+    Case(
+        code="studio/no-reduction",
+        run=answer("/api/reductions/1", prepare=with_failed_run),
+        names=("job 1 is no complete reduction",),
+        cure="ask when it is complete",
+    ),
     Case(
         code="studio/no-rows",
         run=lambda: RecordedRuns().get(folder().root / "run.npz"),
@@ -215,6 +264,18 @@ CASES = (
     Case(code="studio/page", run=answer("/api/nowhere"), names=("/api/nowhere",), cure="open the page"),
     Case(code="studio/port", run=taken_port, names=("cannot be used",), cure="name another port"),
     Case(code="studio/request", run=answer("/api/model"), names=("'id'",), cure="?id="),
+    Case(
+        code="studio/nothing-common",
+        run=lambda: compare({"a": saved(0.0, 0.1), "b": saved(2.0, 2.1), "outputs": []}, Control(io.BytesIO())),
+        names=("no time in common", "0.1 s"),
+        cure="of one scenario",
+    ),
+    Case(
+        code="studio/row",
+        run=lambda: bonds_of({"suspension.spring": ["suspension.spring.port"]}, "suspension.spirng"),
+        names=("suspension.spirng",),
+        cure="did you mean 'suspension.spring'?",
+    ),
     Case(
         code="studio/signal",
         run=lambda: recorded().nearest([parse_path("seat.momentum")], 0.0),

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from propermodel.analysis.activity import bond_activities, rank_activity
-from propermodel.analysis.balance import EnergyBalance, energy_balance
+from propermodel.analysis.balance import energy_balance
 from propermodel.analysis.comparison import OutputError, compare
 from propermodel.analysis.ranking import ActivityRanking, Discretisation
 from propermodel.codegen.machine import FloatArray
@@ -20,8 +20,16 @@ from propermodel.modelling.model import Removal
 from propermodel.reduction.candidates import ProperModelSearch
 from propermodel.reduction.certificate import Certificate
 from propermodel.reduction.certify import CertifiedModel
-from propermodel.report.buckets import exactly_packed, extremes, packed
+from propermodel.report.buckets import Intervals, extremes, packed
 from propermodel.report.panels import Panel, Series
+from propermodel.report.run_data import (
+    Fate,
+    balance_data,
+    history_data,
+    instants,
+    ranking_data,
+    windows_data,
+)
 from propermodel.report.study import ReductionStudy
 from propermodel.report.summary import removal_text
 from propermodel.report.timeline import column_of
@@ -32,19 +40,9 @@ FORMAT = "propermodel report"
 VERSION = 1
 INTERVALS = 1000  # of each signal
 SHORT_INTERVALS = 200  # of the histories of single elements
-WINDOWS = 220  # instants between which activities can be ranked anew
 USUAL_THRESHOLD = 0.99  # where none was used
 
 Json = Any
-
-
-@dataclass(frozen=True, slots=True)
-class Fate:
-    """What became of a row: kept, removed or refused; what stands in its place; and why."""
-
-    verdict: str
-    meaning: str
-    reason: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,25 +135,16 @@ def page_data(subject: PageSubject) -> Json:
         "threshold": subject.threshold,
         "facts": [{"name": name, "value": value, "note": note} for name, value, note in _facts(subject)],
         "picture": depict(subject.reduced.compiled, ranking, bond_activities(full)).document(),
-        "rows": [
-            {
-                "path": str(row.path),
-                "kind": row.kind,
-                "activity": row.activity,
-                "index": row.index,
-                "cumulative": row.cumulative,
-                "verdict": subject.fates[row.path].verdict,
-                "meaning": subject.fates[row.path].meaning,
-                "reason": subject.fates[row.path].reason,
-            }
-            for row in ranking.rows
-        ],
+        "rows": ranking_data(ranking, subject.fates),
         "totalActivity": ranking.total,
         "notes": [*subject.certificate.warnings, *subject.notes],
-        "outputs": [_output(error) for error in compare(full, subject.reduced, subject.outputs).outputs],
-        "balances": {"full": _balance(energy_balance(full)), "reduced": _balance(energy_balance(subject.reduced))},
+        "outputs": [output_data(error) for error in compare(full, subject.reduced, subject.outputs).outputs],
+        "balances": {
+            "full": balance_data(energy_balance(full)),
+            "reduced": balance_data(energy_balance(subject.reduced)),
+        },
         "signals": _signals(subject),
-        "windows": _windows(subject),
+        "windows": windows_data(full),
         "histories": _histories(subject),
         "tried": None if subject.search is None else _tried(subject.search),
         "made": _made(subject),
@@ -187,7 +176,8 @@ def _facts(subject: PageSubject) -> list[tuple[str, str, str]]:
     return facts
 
 
-def _output(error: OutputError) -> Json:
+def output_data(error: OutputError) -> Json:
+    """The differences of an output, as shares of its range."""
     return {
         "path": str(error.path),
         "unit": error.unit,
@@ -200,21 +190,10 @@ def _output(error: OutputError) -> Json:
     }
 
 
-def _balance(balance: EnergyBalance) -> Json:
-    return {
-        "supplied": balance.supplied,
-        "stored": balance.stored,
-        "dissipated": balance.dissipated,
-        "residual": balance.relative_residual,
-        "sources": [{"path": str(path), "work": work} for path, work in balance.sources],
-    }
-
-
 def _signals(subject: PageSubject) -> Json:
     """What panels show, and the compared outputs that they do not show."""
     full, reduced = subject.full, subject.reduced
-    edges = np.linspace(float(full.time[0]), float(full.time[-1]), INTERVALS + 1)
-    middles = 0.5 * (edges[:-1] + edges[1:])
+    edges, times = instants(float(full.time[0]), float(full.time[-1]), INTERVALS)
     lanes = [(panel.title, panel.unit, panel.series) for panel in subject.panels]
     seen = {series.path for _, _, shown in lanes for series in shown}
     lanes += [(str(path), "", (Series(str(path)),)) for path in subject.outputs if str(path) not in seen]
@@ -236,7 +215,7 @@ def _signals(subject: PageSubject) -> Json:
                     "difference": _difference(reduced, parse_path(series.path), factor, (time, values), edges),
                 }
             )
-    return {"times": packed(np.column_stack([edges[:-1], middles]).ravel()), "items": items}
+    return {"times": packed(times), "items": items}
 
 
 def _reduced(run: Trajectory, path: Path, factor: float, edges: FloatArray) -> str | None:
@@ -253,45 +232,17 @@ def _difference(
     return packed(extremes(time, (np.interp(time, reduced.time, reduced[path]) - values) * factor, edges))
 
 
-def _windows(subject: PageSubject) -> Json:
-    """The activity of every row since the start, at some instants at which it was kept, J."""
-    full = subject.full
-    count = len(full.integral_times)
-    places = np.unique(np.linspace(0, count - 1, min(count, WINDOWS + 1)).round().astype(int))
-    return {
-        "times": exactly_packed(full.integral_times[places]),
-        "rows": {
-            str(row.path): exactly_packed(full.kept_activity(_entry(row.path, row.bonds))[places])
-            for row in full.compiled.system.rows
-        },
-    }
-
-
-def _entry(row: Path, bonds: Collection[Path]) -> Path:
-    """Under which path the power of a row is integrated: a group and a field have an integral of their own."""
-    return row if len(bonds) > 1 else next(iter(bonds))
-
-
 def _histories(subject: PageSubject) -> Json:
     """Effort and flow at the ports of every row, in few intervals."""
     full = subject.full
-    edges = np.linspace(float(full.time[0]), float(full.time[-1]), SHORT_INTERVALS + 1)
-    middles = 0.5 * (edges[:-1] + edges[1:])
+    edges, times = instants(float(full.time[0]), float(full.time[-1]), SHORT_INTERVALS)
+    intervals = Intervals(full.time, edges)
     rows: dict[str, list[Json]] = {}
     for row in full.compiled.system.rows:
-        for bond in row.bonds:
-            effort, flow = bond / "effort", bond / "flow"
-            if effort in full and flow in full:
-                rows.setdefault(str(row.path), []).append(
-                    {
-                        "bond": str(bond),
-                        "units": [full.unit(effort), full.unit(flow)],
-                        "effort": packed(extremes(full.time, full[effort], edges)),
-                        "flow": packed(extremes(full.time, full[flow], edges)),
-                        "power": packed(extremes(full.time, full[effort] * full[flow], edges)),
-                    }
-                )
-    return {"times": packed(np.column_stack([edges[:-1], middles]).ravel()), "rows": rows}
+        bonds = [bond for bond in row.bonds if bond / "effort" in full and bond / "flow" in full]
+        if bonds:
+            rows[str(row.path)] = history_data(full, bonds, intervals)
+    return {"times": packed(times), "rows": rows}
 
 
 def _made(subject: PageSubject) -> list[Json]:

@@ -179,7 +179,7 @@ def _stages(
     reduced_model = compile_quietly(model.without(reduction.removals))
     fitting = fitting_scenario(reduced_model, scenario)
     reduced = so_far.run("reduced", reduced_model, fitting, options, say, full.stepping)
-    compared = options.outputs or _most_active(ranking, full, reduced)
+    compared = options.outputs or most_active(ranking, full, reduced)
     speed, best = _speeds(full, reduced, compared, options, say)
     return ReductionStudy(
         options=options,
@@ -224,7 +224,7 @@ def _shown(panels: tuple[Panel, ...], compiled: CompiledModel) -> tuple[Path, ..
     return tuple(path for path in paths if path not in compiled.graph.tables)
 
 
-def _most_active(ranking: ActivityRanking, full: Trajectory, reduced: Trajectory) -> tuple[Path, ...]:
+def most_active(ranking: ActivityRanking, full: Trajectory, reduced: Trajectory) -> tuple[Path, ...]:
     """What the most active storage gives: the effort of a compliance, the flow of an inertia."""
     found: list[Path] = []
     for row in ranking.rows:

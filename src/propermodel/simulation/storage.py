@@ -73,6 +73,11 @@ class StoredTrajectory:
         """Every stored observable."""
         return tuple(self._entries)
 
+    @property
+    def powers(self) -> Mapping[Path, int]:
+        """The bonds and rows whose power was integrated, with their places among the integrals."""
+        return self._powers
+
     def __contains__(self, observable: Expr | Path | str) -> bool:
         return observable_path(observable) in self._entries
 

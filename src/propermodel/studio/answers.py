@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections import OrderedDict
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
@@ -29,8 +29,8 @@ class Answers:
         self._kept: OrderedDict[str, _Kept] = OrderedDict()
         self._asked: dict[str, asyncio.Future[Json]] = {}
 
-    async def get(self, question: str, file: FilePath | None, ask: Callable[[], Awaitable[bytes]]) -> Json:
-        """The answer to a question about a file, asked for where it is not known or no longer holds.
+    async def get(self, question: str, files: Sequence[FilePath], ask: Callable[[], Awaitable[bytes]]) -> Json:
+        """The answer to a question about files, asked for where it is not known or no longer holds.
 
         Raises:
             AnswerError: there is none.
@@ -42,13 +42,18 @@ class Answers:
             return kept.content
         asked = self._asked.get(question)
         if asked is None:
-            asked = self._asked[question] = asyncio.ensure_future(self._find(question, file, ask))
-            asked.add_done_callback(lambda _: self._asked.pop(question, None))
+            asked = self._asked[question] = asyncio.ensure_future(self._find(question, files, ask))
+            asked.add_done_callback(lambda done: self._forget(question, done))
         # Who goes away must not take the answer with it from the others.
         return await asyncio.shield(asked)
 
-    async def _find(self, question: str, file: FilePath | None, ask: Callable[[], Awaitable[bytes]]) -> Json:
-        before = _stamp([] if file is None else [str(file)])
+    def _forget(self, question: str, done: asyncio.Future[Json]) -> None:
+        self._asked.pop(question, None)
+        if not done.cancelled():
+            done.exception()  # it is told to those who wait, of whom there may be none left
+
+    async def _find(self, question: str, files: Sequence[FilePath], ask: Callable[[], Awaitable[bytes]]) -> Json:
+        before = _stamp(map(str, files))
         answer = json.loads(await ask())
         stamp = _stamp([*(name for name, _, _ in before), *answer["files"]])
         if stamp[: len(before)] == before:

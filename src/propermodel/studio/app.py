@@ -19,12 +19,13 @@ import propermodel
 from propermodel.diagnostics import ProperModelError
 from propermodel.studio.answers import Answers
 from propermodel.studio.faults import AnswerError, StudioError, error_body, faults_of, status_of, unexpected
-from propermodel.studio.folder import Folder, Trust
+from propermodel.studio.folder import Folder, Named, Trust
 from propermodel.studio.guard import Door, Guard
 from propermodel.studio.jobs import JobRoutes
 from propermodel.studio.listing import Listing
 from propermodel.studio.pages import asset, index
 from propermodel.studio.queue import Queue
+from propermodel.studio.results import ResultRoutes
 from propermodel.studio.runs import RunRoutes
 from propermodel.studio.words import asked
 from propermodel.studio.workers import Workers
@@ -45,6 +46,7 @@ class Studio:
         self.answers = Answers()
         self.queue = Queue(self.folder.root, self.workers)
         self.runs = RunRoutes(self.queue)
+        self.results = ResultRoutes(self.folder, self.trust, self.workers, self.answers, self.queue, self.runs)
         self.jobs = JobRoutes(self.folder, self.trust, self.listing, self.queue, self.runs.recorded)
 
     async def start(self, _: Request) -> Response:
@@ -72,7 +74,7 @@ class Studio:
         async def ask() -> bytes:
             return await self.workers.ask("model", {"model": named.text})
 
-        return JSONResponse(await self.answers.get(f"model {named.text}", named.file, ask))
+        return JSONResponse(await self.answers.get(f"model {named.text}", _files(named), ask))
 
     async def equations(self, request: Request) -> Response:
         """The equations of a model as text."""
@@ -82,7 +84,7 @@ class Studio:
         async def ask() -> bytes:
             return await self.workers.ask("equations", {"model": named.text})
 
-        return JSONResponse(await self.answers.get(f"equations {named.text}", named.file, ask))
+        return JSONResponse(await self.answers.get(f"equations {named.text}", _files(named), ask))
 
     async def scenario(self, request: Request) -> Response:
         """What is known of a scenario of a model."""
@@ -93,8 +95,8 @@ class Studio:
         async def ask() -> bytes:
             return await self.workers.ask("scenario", {"model": model.text, "scenario": scenario.text or None})
 
-        file = scenario.file or model.file
-        return JSONResponse(await self.answers.get(f"scenario {model.text} {scenario.text}", file, ask))
+        question = f"scenario {model.text} {scenario.text}"
+        return JSONResponse(await self.answers.get(question, _files(model, scenario), ask))
 
     def routes(self) -> list[Route]:
         """All that is answered."""
@@ -108,6 +110,7 @@ class Studio:
             Route("/api/scenario", self.scenario),
             *self.jobs.routes(),
             *self.runs.routes(),
+            *self.results.routes(),
         ]
 
     @contextlib.asynccontextmanager
@@ -129,6 +132,11 @@ def make_app(studio: Studio, door: Door) -> Guard:
         Exception: _failed,
     }
     return Guard(Starlette(routes=studio.routes(), exception_handlers=handlers, lifespan=studio.running), door)
+
+
+def _files(*named: Named) -> list[FilePath]:
+    """The files that an answer about these rests on."""
+    return [item.file for item in named if item.file is not None]
 
 
 async def _told(_: Request, error: Exception) -> Response:

@@ -6,9 +6,11 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
+from propermodel.studio.faults import StudioError
 from propermodel.studio.folder import Folder, Trust
+from propermodel.studio.job import JobKind, JobState
 from propermodel.studio.listing import Listing
-from propermodel.studio.orders import RUN_ORDER
+from propermodel.studio.orders import REDUCTION_ORDER, RUN_ORDER
 from propermodel.studio.queue import Queue
 from propermodel.studio.recorded import RecordedRuns
 from propermodel.studio.store import RUN_FILE
@@ -32,6 +34,19 @@ class JobRoutes:
         self._trust.check(self._folder, model, self._folder.scenario(order.scenario))
         entry = next((entry for entry in self._listing.entries() if entry.id == model.text), None)
         return JSONResponse(self._queue.add_run(order, model.text if entry is None else entry.name).data(), 201)
+
+    async def order_reduction(self, request: Request) -> Response:
+        """Order a reduction of a complete run."""
+        order = await ordered(request, REDUCTION_ORDER)
+        full = self._queue.get(order.run)
+        if full.kind is not JobKind.RUN or full.state is not JobState.COMPLETE:
+            raise StudioError.with_status(
+                409,
+                "studio/incomplete",
+                f"job {full.id} is no complete run, and only those can be reduced",
+                help="run the full model to its end first",
+            )
+        return JSONResponse(self._queue.add_reduction(order).data(), 201)
 
     async def jobs(self, _: Request) -> Response:
         """All jobs, the newest first."""
@@ -60,6 +75,7 @@ class JobRoutes:
         """All of them."""
         return [
             Route("/api/runs", self.order_run, methods=["POST"]),
+            Route("/api/reductions", self.order_reduction, methods=["POST"]),
             Route("/api/jobs", self.jobs),
             Route("/api/jobs/{id}", self.job),
             Route("/api/jobs/{id}", self.delete, methods=["DELETE"]),

@@ -60,11 +60,28 @@ class RecordedRun:
             found.append({"path": str(path), "unit": unit, "display": shown})
         return found
 
-    def unit(self, path: Path) -> str:
-        """The unit of an observable."""
-        if path in self.entries:
-            return self.entries[path][0]
-        self._factors(path)
+    def __getitem__(self, observable: Path, /) -> FloatArray:
+        """All rows of an observable.
+
+        Raises:
+            StudioError: there is no such observable.
+        """
+        return self._values(observable, 0, len(self.rows.signals))
+
+    @property
+    def time(self) -> FloatArray:
+        """The instants of all rows, s."""
+        return self._column(-1, 0, len(self.rows.signals))
+
+    def unit(self, observable: Path, /) -> str:
+        """The unit of an observable.
+
+        Raises:
+            StudioError: there is no such observable.
+        """
+        if observable in self.entries:
+            return self.entries[observable][0]
+        self._factors(observable)
         return "W"
 
     def extremes(self, paths: list[Path], start: float, stop: float, count: int) -> tuple[FloatArray, list[FloatArray]]:

@@ -17,7 +17,6 @@ from propermodel.catalogue.settings import read_settings
 from propermodel.catalogue.subject import Subject, changed
 from propermodel.compiler import CompiledModel, Method, compile_quietly
 from propermodel.diagnostics import Faults, Path
-from propermodel.modelling.model import Scenario
 from propermodel.report.buckets import extremes
 from propermodel.report.options import StudyOptions, check_outputs
 from propermodel.simulation.choosing import AUTO
@@ -34,6 +33,7 @@ from propermodel.studio.worker import Control
 Json = Any
 
 SPARK_INTERVALS = 30
+_EXACTLY = 1.0 - 1e-9  # a quotient that is whole to rounding is that number
 
 STATES = {
     RunStatus.COMPLETED: JobState.COMPLETE,
@@ -107,19 +107,19 @@ def ordered_subject(order: RunOrder) -> Subject:
 
 
 def periods_of(subject: Subject) -> Periods:
-    """The periods of a study, a little shorter where they would not divide the scenario: a row stands at its end."""
+    """The periods of a study, a little shorter where they would not divide the scenario or each other.
+
+    So a row and the integrals of power stand at the end of a run, and a row wherever integrals do.
+    """
     options = StudyOptions(method=subject.method, step=subject.step)
     scenario = subject.scenario
-    return Periods(
-        _dividing(options.record_every(scenario), scenario), _dividing(options.integrals_every(scenario), scenario)
-    )
-
-
-def _dividing(period: float, scenario: Scenario) -> float:
+    rows, integrals = options.record_every(scenario), options.integrals_every(scenario)
     length = scenario.stop - scenario.start
-    if not (math.isfinite(length) and length > 0.0 and period > 0.0):
-        return period  # a wrong scenario is told by the simulation
-    return length / max(1, math.ceil(length / period * (1.0 - 1e-9)))
+    if not (math.isfinite(length) and length > 0.0 and rows > 0.0 and integrals > 0.0):
+        return Periods(rows, integrals)  # what is wrong with them is told by the simulation
+    count = max(1, math.ceil(length / integrals * _EXACTLY))
+    each = max(1, math.ceil(length / count / rows * _EXACTLY))
+    return Periods(length / (count * each), length / count)
 
 
 def teller(control: Control, stage: str = "running") -> Callable[[Progress], None]:

@@ -38,13 +38,13 @@ class RunRoutes:
 
     async def signals(self, request: Request) -> Response:
         """Which observables were recorded."""
-        return JSONResponse(await self._of(self._job(request), RecordedRun.signals))
+        return JSONResponse(await self.of(self._job(request), RecordedRun.signals))
 
     async def series(self, request: Request) -> Response:
         """Columns in intervals, for plots."""
         job = self._job(request)
         paths, span = signals(request), window(request, *_window(job))
-        times, columns = await self._of(job, lambda run: run.extremes(paths, *span))
+        times, columns = await self.of(job, lambda run: run.extremes(paths, *span))
         return _binary(packed_series(times, columns))
 
     async def difference(self, request: Request) -> Response:
@@ -61,14 +61,14 @@ class RunRoutes:
     async def values(self, request: Request) -> Response:
         """The recorded values nearest to an instant."""
         job, paths, time = self._job(request), signals(request), number(request, "time", 0.0)
-        at, found = await self._of(job, lambda run: run.nearest(paths, time))
+        at, found = await self.of(job, lambda run: run.nearest(paths, time))
         values = dict(zip(map(str, paths), found, strict=True))
         return JSONResponse(finite({"time": at, "values": values}))
 
     async def csv(self, request: Request) -> Response:
         """Columns as CSV, in SI, all rows."""
         job, paths = self._job(request), signals(request)
-        await self._of(job, lambda run: run.check(paths))
+        await self.of(job, lambda run: run.check(paths))
         name = f"run_{job.id}.csv"
         headers = {"Content-Disposition": f'attachment; filename="{name}"'}
         return StreamingResponse(self._csv(job, paths), media_type="text/csv; charset=utf-8", headers=headers)
@@ -94,7 +94,7 @@ class RunRoutes:
     def _run(self, job: Job) -> RecordedRun:
         return self.recorded.get(self._queue.folder(job) / RUN_FILE)
 
-    async def _of(self, job: Job, ask: Callable[[RecordedRun], T]) -> T:
+    async def of(self, job: Job, ask: Callable[[RecordedRun], T]) -> T:
         """What is asked of a run, in a thread: files are read."""
 
         def found() -> T:

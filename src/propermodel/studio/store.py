@@ -25,7 +25,7 @@ from propermodel.studio.job import JOB, Job, JobState
 from propermodel.studio.orders import LIMITS
 
 FORMAT, VERSION = "propermodel-job", 1
-STATE_FILE, RUN_FILE = "job.json", "run.npz"
+STATE_FILE, RUN_FILE, PAGE_FILE, REPORT_FILE = "job.json", "run.npz", "page.json", "report.html"
 
 _ID = re.compile(r"[1-9][0-9]{0,8}")
 

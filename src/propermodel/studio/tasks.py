@@ -10,11 +10,14 @@ from typing import Any
 
 from propermodel.catalogue.finding import load_subject, scenario_names
 from propermodel.compiler import compile_quietly
+from propermodel.diagnostics import parse_path
 from propermodel.equations.readable import state_equations
 from propermodel.report.plain import finite
 from propermodel.studio.model_sheet import model_sheet
+from propermodel.studio.orders import REDUCTION_ORDER, RUN_ORDER, read_order_data
 from propermodel.studio.run_task import run
 from propermodel.studio.scenario_sheet import scenario_sheet
+from propermodel.studio.script import script
 from propermodel.studio.worker import Control
 
 Json = Any
@@ -51,9 +54,43 @@ def _files() -> list[str]:
     return sorted(str(file) for file in files if file.is_relative_to(root))
 
 
+def _script(arguments: Json, _: Control) -> Json:
+    reduction = arguments["reduction"]
+    text = script(
+        read_order_data(RUN_ORDER, arguments["order"]),
+        None if reduction is None else read_order_data(REDUCTION_ORDER, reduction),
+        tuple(parse_path(path) for path in arguments["outputs"]),
+        is_run=arguments["is_run"],
+    )
+    return {"sheet": text, "files": _files()}
+
+
+def _activity(arguments: Json, control: Control) -> Json:
+    from propermodel.studio.activity_task import activity
+
+    return activity(arguments, control)
+
+
+def _compare(arguments: Json, control: Control) -> Json:
+    from propermodel.studio.activity_task import compare
+
+    return compare(arguments, control)
+
+
+def _reduce(arguments: Json, control: Control) -> Json:
+    from propermodel.studio.reduce_task import reduce
+
+    return reduce(arguments, control)
+
+
+# What reduces imports much more than what runs, so it is imported where it is asked for.
 TASKS: Mapping[str, Callable[[Json, Control], Json]] = {
     "model": _model,
     "equations": _equations,
     "scenario": _scenario,
     "run": run,
+    "script": _script,
+    "activity": _activity,
+    "compare": _compare,
+    "reduce": _reduce,
 }
