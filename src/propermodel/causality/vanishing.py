@@ -11,6 +11,7 @@ from functools import lru_cache
 
 from propermodel.bondgraph.graph import BondGraph, Element
 from propermodel.bondgraph.parameters import parameter_values
+from propermodel.causality.causal import CausalGraph
 from propermodel.expressions.core import Expr, Op, SymbolKind, leaves, postorder, substitute
 from propermodel.expressions.interpret import interpret
 from propermodel.modelling.model import ElementKind, TwoPort
@@ -26,7 +27,7 @@ def vanishing_two_ports(graph: BondGraph) -> list[Element]:
     for element in graph.normal.elements.values():
         if not isinstance(element.behaviour, TwoPort) or element.behaviour.modulus.op is Op.CONSTANT:
             continue
-        modulus = _without_signals(element.behaviour.modulus, graph)
+        modulus = without_signals(element.behaviour.modulus, graph)
         inside = leaves(modulus)
         if all(leaf.data.kind is SymbolKind.PARAMETER for leaf in inside):
             continue
@@ -55,7 +56,27 @@ def ports_that_receive_effort(element: Element) -> Mapping[str, bool]:
     return {"a": False, "b": element.kind is ElementKind.TRANSFORMER}
 
 
-def _without_signals(expr: Expr, graph: BondGraph) -> Expr:
+def dividing_two_ports(causal: CausalGraph) -> list[Element]:
+    """The two-ports that divide by a modulus which changes along a run, so that it may be zero there."""
+    structure = causal.graph.normal
+    found: list[Element] = []
+    for element in structure.elements.values():
+        if isinstance(element.behaviour, TwoPort) and _may_vanish(element.behaviour.modulus):
+            bond = structure.bonds.get(element.path / "a")
+            # e_a = m e_b, f_b = m f_a and e_a = r f_b, e_b = r f_a do not divide; their inverses do.
+            if bond is not None and causal.receives_effort(bond, element):
+                found.append(element)
+    return found
+
+
+def _may_vanish(modulus: Expr) -> bool:
+    if modulus.op is Op.DIVIDE:
+        return _may_vanish(modulus.args[0])
+    return any(leaf.data.kind is not SymbolKind.PARAMETER for leaf in leaves(modulus))
+
+
+def without_signals(expr: Expr, graph: BondGraph) -> Expr:
+    """An expression in terms of what the signals in it are made of."""
     while signals := {leaf: graph.signals[leaf] for leaf in leaves(expr) if leaf in graph.signals}:
         expr = substitute(expr, signals)
     return expr

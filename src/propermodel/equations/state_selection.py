@@ -12,15 +12,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from propermodel.bondgraph.graph import Element, Structure
+from propermodel.bondgraph.graph import Structure
 from propermodel.causality.assign import assign_causality
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.completion import assign_beyond_laws
 from propermodel.causality.graph_algorithms import strong_components
+from propermodel.causality.vanishing import dividing_two_ports
 from propermodel.diagnostics import Path, StructureError
 from propermodel.equations.definitions import Definitions, define_needed
-from propermodel.expressions.core import Expr, Op, SymbolKind, leaves
-from propermodel.modelling.model import ElementKind, JunctionKind, TwoPort
+from propermodel.expressions.core import Expr, leaves
+from propermodel.modelling.model import ElementKind, JunctionKind
 
 # Larger graphs with this many storages keep the order of the model.
 MOST_STORAGES = 200
@@ -120,23 +121,7 @@ def _rigid_classes(structure: Structure) -> list[list[Path]]:
 
 
 def _divisions(causal: CausalGraph) -> int:
-    return sum(_divides(causal, e, e.behaviour) for e in causal.graph.normal.elements.values())
-
-
-def _divides(causal: CausalGraph, element: Element, behaviour: object) -> bool:
-    if not isinstance(behaviour, TwoPort) or not _may_vanish(behaviour.modulus):
-        return False
-    bond = causal.graph.normal.bonds.get(element.path / "a")
-    if bond is None:
-        return False
-    # e_a = m e_b, f_b = m f_a and e_a = r f_b, e_b = r f_a do not divide; their inverses do.
-    return causal.receives_effort(bond, element)
-
-
-def _may_vanish(modulus: Expr) -> bool:
-    if modulus.op is Op.DIVIDE:
-        return _may_vanish(modulus.args[0])
-    return any(leaf.data.kind is not SymbolKind.PARAMETER for leaf in leaves(modulus))
+    return len(dividing_two_ports(causal))
 
 
 def _looped_variables(found: Definitions) -> int:

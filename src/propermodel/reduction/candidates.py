@@ -38,7 +38,7 @@ class Verdict(StrEnum):
 
     WITHIN = "within the tolerances"
     OUTSIDE = "outside"
-    REFUSED = "refused"  # no equations, or an output that no longer exists
+    REFUSED = "refused"  # no equations or no solution of them, or an output that no longer exists
     FAILED = "failed"  # a run did not reach its end
 
 

@@ -20,6 +20,7 @@ from propermodel.modelling.files import FileName
 from propermodel.modelling.model import Removal, Scenario
 from propermodel.reduction.candidates import Candidate, Verdict, is_fragile
 from propermodel.reduction.claim import Condition
+from propermodel.reduction.divisions import divisions_by_zero
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
 from propermodel.reduction.prediction import Prediction, Replacement, predict_errors
@@ -29,6 +30,7 @@ from propermodel.reduction.results_file import KnownRuns, identity_of
 from propermodel.reduction.watched_run import WatchedRun, run_watched
 from propermodel.simulation.simulate import simulate
 from propermodel.simulation.trajectory import Trajectory
+from propermodel.simulation.zeros import listed
 
 ROWS = 2000  # recorded of each run, where nothing else is asked for
 
@@ -87,6 +89,9 @@ class Trials:
         """Reformulate and compile what a choice leaves; a candidate that is refused where that has no equations."""
         try:
             removals, compiled = self._reformulated(node.choice)
+            if turned := divisions_by_zero(compiled, self.runs):
+                names = listed(map(str, turned))
+                return self._refused(node, f"it would divide by the modulus of {names}, which passes zero")
             compiled.machine(self._stepping.method)
         except ProperModelError as error:
             return self._refused(node, error.diagnostics[0].message)
