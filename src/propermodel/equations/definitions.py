@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from propermodel.bondgraph.graph import Bond, Element, Variables
@@ -101,17 +102,40 @@ def define(causal: CausalGraph) -> Definitions:
     return found
 
 
-def define_needed(causal: CausalGraph) -> Definitions:
-    """The same, without what can only be observed; for those who ask what depends on what."""
+def define_needed(causal: CausalGraph, observables: Mapping[Expr, Expr]) -> Definitions:
+    """The same, without what can only be observed; for those who ask what depends on what.
+
+    Args:
+        causal: A causal graph.
+        observables: What `observables_of` gives for this or another causal graph of the same bond graph.
+    """
     found = _define_normal(causal)
-    if any(leaf.data.kind in _OBSERVED and leaf not in found.values for leaf in leaves(*found.values.values())):
-        define_observables(found.values, causal.graph)
+    pending = list(leaves(*found.values.values(), *_residuals(found)))
+    while pending:
+        leaf = pending.pop()
+        if leaf in observables and leaf not in found.values:
+            found.values[leaf] = observables[leaf]
+            pending += leaves(observables[leaf])
     return found
 
 
-_OBSERVED = frozenset(
-    {SymbolKind.EFFORT, SymbolKind.FLOW, SymbolKind.POWER, SymbolKind.DISPLACEMENT, SymbolKind.MOMENTUM}
-)
+def observables_of(causal: CausalGraph) -> dict[Expr, Expr]:
+    """What can be observed beyond the graph in normal form, by its other variables; strokes do not change it."""
+    normal = _define_normal(causal).values
+    found = dict(normal)
+    define_observables(found, causal.graph)
+    return {leaf: value for leaf, value in found.items() if leaf not in normal}
+
+
+def _residuals(found: Definitions) -> Iterator[Expr]:
+    """What unknowns follow from."""
+    yield from (dependent.stored for dependent in found.dependents)
+    yield from (implied.residual for implied in found.implied)
+    for lockable in found.lockables:
+        yield from (lockable.law, lockable.flow, lockable.locked)
+    yield from (struck.law for struck in found.struck)
+    for held in found.held:
+        yield from (held.flow, held.prescribed)
 
 
 def _define_normal(causal: CausalGraph) -> Definitions:

@@ -8,8 +8,7 @@ helps. Where dependent storage would still depend on its own answer, laws may be
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 
 from propermodel.bondgraph.graph import Structure
@@ -19,7 +18,7 @@ from propermodel.causality.completion import assign_beyond_laws
 from propermodel.causality.graph_algorithms import strong_components
 from propermodel.causality.vanishing import dividing_two_ports
 from propermodel.diagnostics import Path, StructureError
-from propermodel.equations.definitions import Definitions, define_needed
+from propermodel.equations.definitions import Definitions, define_needed, observables_of
 from propermodel.expressions.core import Expr, leaves
 from propermodel.modelling.model import ElementKind, JunctionKind
 
@@ -29,69 +28,83 @@ MOST_STORAGES = 200
 Score = tuple[int, int, int, int]
 
 
-@dataclass(frozen=True, eq=False)
-class _Choice:
-    """A causal graph under examination; its equations are written once."""
-
-    causal: CausalGraph
-
-    @cached_property
-    def definitions(self) -> Definitions:
-        """What defines every variable that equations need."""
-        return define_needed(self.causal)
-
-    @cached_property
-    def score(self) -> Score:
-        """Divisions by moduli that may vanish, variables in loops of dependent storage, constraints, dependents."""
-        loops = _looped_variables(self.definitions) if self.causal.derivative else 0
-        return _divisions(self.causal), loops, len(self.causal.constraints), len(self.causal.derivative)
-
-
 def select_states(causal: CausalGraph) -> CausalGraph:
     """The same graph with the best states found, or the given one where there is nothing to gain."""
-    found = _search(causal)
-    if not found.causal.derivative or not _answers_itself(found.definitions):
-        return found.causal
+    search = _Search(causal)
+    found = search.best()
+    if not found.derivative or not search.answers_itself(found):
+        return found
     other = assign_beyond_laws(causal.graph)
-    return found.causal if other is None or _answers_itself(define_needed(other)) else other
+    return found if other is None or search.answers_itself(other) else other
 
 
-def _search(causal: CausalGraph) -> _Choice:
-    elements = [e.path for e in causal.graph.normal.elements.values() if e.kind.is_storage]
-    best = _Choice(causal)
-    if not (causal.derivative or causal.constraints) or len(elements) > MOST_STORAGES:
-        return best
-    order = elements
-    classes = _rigid_classes(causal.graph.normal)
-    while best.score[:2] > (0, 0):
-        found = min(_moves(best, order, classes), key=lambda item: item[0].score, default=None)
-        if found is None:
+class _Search:
+    """The search among the causal graphs of one bond graph; strokes that were looked at are not looked at again."""
+
+    def __init__(self, causal: CausalGraph) -> None:
+        self._causal = causal
+        self._scores: dict[tuple[Path, ...], Score] = {}
+
+    def best(self) -> CausalGraph:
+        """The causal graph from which no single move leads to a better one."""
+        best = self._causal
+        elements = [e.path for e in best.graph.normal.elements.values() if e.kind.is_storage]
+        if not (best.derivative or best.constraints) or len(elements) > MOST_STORAGES:
             return best
-        best, order = found
-    return best
+        order = elements
+        classes = _rigid_classes(best.graph.normal)
+        while self.score(best)[:2] > (0, 0):
+            found = min(self._moves(best, order, classes), key=lambda item: self.score(item[0]), default=None)
+            if found is None:
+                return best
+            best, order = found
+        return best
 
+    def score(self, causal: CausalGraph) -> Score:
+        """Divisions by moduli that may vanish, variables in loops of dependent storage, constraints, dependents."""
+        bonds = causal.graph.normal.bonds
+        strokes = (*(causal.strokes[name].effort_into for name in bonds), *causal.constraints)
+        if strokes not in self._scores:
+            loops = _looped_variables(self._definitions(causal)) if causal.derivative else 0
+            divisions = len(dividing_two_ports(causal))
+            self._scores[strokes] = divisions, loops, len(causal.constraints), len(causal.derivative)
+        return self._scores[strokes]
 
-def _moves(choice: _Choice, order: list[Path], classes: list[list[Path]]) -> Iterator[tuple[_Choice, list[Path]]]:
-    """The better causal graphs that moving one rigid class to the end or the front of the order gives."""
-    causal, score = choice.causal, choice.score
-    for members in classes:
-        moved = [path for path in order if path in members]
-        rest = [path for path in order if path not in members]
-        for attempt in ([*rest, *moved], [*moved, *rest]):
+    def answers_itself(self, causal: CausalGraph) -> bool:
+        """Whether the content of dependent storage follows from what dependent storage answers: a higher index."""
+        return _answers_itself(self._definitions(causal))
+
+    def _definitions(self, causal: CausalGraph) -> Definitions:
+        return define_needed(causal, self._observables)
+
+    @cached_property
+    def _observables(self) -> Mapping[Expr, Expr]:
+        return observables_of(self._causal)
+
+    def _moves(
+        self, causal: CausalGraph, order: list[Path], classes: list[list[Path]]
+    ) -> Iterator[tuple[CausalGraph, list[Path]]]:
+        """The better causal graphs that moving one rigid class to the end or the front of the order gives."""
+        score = self.score(causal)
+        for members in classes:
+            moved = [path for path in order if path in members]
+            rest = [path for path in order if path not in members]
+            for attempt in ([*rest, *moved], [*moved, *rest]):
+                try:
+                    other = assign_causality(causal.graph, attempt, causal.constraints)
+                except StructureError:
+                    continue
+                if len(dividing_two_ports(other)) <= score[0] and self.score(other) < score:
+                    yield other, attempt
+        for constraint in causal.constraints:
+            # A part without mass in a loop: its flow follows from the closure, not from an effort.
+            fewer = [c for c in causal.constraints if c != constraint]
             try:
-                other = _Choice(assign_causality(causal.graph, attempt, causal.constraints))
+                other = assign_causality(causal.graph, order, fewer)
             except StructureError:
                 continue
-            if _divisions(other.causal) <= score[0] and other.score < score:
-                yield other, attempt
-    for constraint in causal.constraints:
-        # A part without mass in a loop: its flow follows from the closure, not from an effort.
-        try:
-            other = _Choice(assign_causality(causal.graph, order, [c for c in causal.constraints if c != constraint]))
-        except StructureError:
-            continue
-        if other.score < score:
-            yield other, order
+            if self.score(other) < score:
+                yield other, order
 
 
 def _rigid_classes(structure: Structure) -> list[list[Path]]:
@@ -118,10 +131,6 @@ def _rigid_classes(structure: Structure) -> list[list[Path]]:
         if element.kind.is_storage:
             classes.setdefault(find(element.path), []).append(element.path)
     return list(classes.values())
-
-
-def _divisions(causal: CausalGraph) -> int:
-    return len(dividing_two_ports(causal))
 
 
 def _looped_variables(found: Definitions) -> int:
