@@ -252,7 +252,7 @@ def unsolvable() -> Draft:
     """Two implicit blocks; the second, u**2 = limit - t, has no solution after the limit."""
     draft = Draft()
     x = draft.state("x", 0.0)
-    limit = draft.parameter("limit", 2.0)
+    limit = draft.parameter("limit", 0.5)
     easy, u = draft.unknown("easy", 0.0), draft.unknown("u", 1.0)
     first = draft.solve([easy], [easy * easy * easy + easy - x])
     second = draft.solve([u], [u * u - (limit - TIME)])

@@ -274,10 +274,10 @@ def bumping():
 def test_native_and_interpreted_agree(make, method):
     given = {"initial": {"high.port.effort": 1e5}} if make is oily else {}
     native, slow = (
-        run(make(), 1.0, step=1e-3, method=method, backend=backend, every=0.02, **given)
+        run(make(), 0.4, step=1e-3, method=method, backend=backend, every=0.02, **given)
         for backend in (Backend.NATIVE, Backend.INTERPRETED)
     )
-    assert native.statistics.steps == slow.statistics.steps == 1000
+    assert native.statistics.steps == slow.statistics.steps == 400
     assert native.time.tobytes() == slow.time.tobytes()
     for path in native.paths:
         found, expected = native[path], slow[path]

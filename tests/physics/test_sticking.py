@@ -65,7 +65,7 @@ def test_a_block_stops_at_its_stopping_distance_and_stays(backend: Backend, spee
 
 @pytest.mark.parametrize("method", list(Method))
 def test_a_block_stays_where_it_has_stopped_with_every_method(method: Method):
-    r = run(Sliding(), 3.0, method=method, inputs={"push": 2.0}, initial={"block.flange.flow": 2.0})
+    r = run(Sliding(), 1.5, method=method, inputs={"push": 2.0}, initial={"block.flange.flow": 2.0})
     assert [e.time for e in r.events] == pytest.approx([0.0, 1.0], abs=1e-11)  # (6 - 2) N slow 2 kg
     assert not np.any(r["block.flange.flow"][r.time > 1.0 + 1e-9])
     assert r.at_end("friction.port.effort") == pytest.approx(2.0, rel=1e-12)
@@ -107,13 +107,14 @@ def test_stick_slip_on_a_belt_has_the_period_and_amplitude_of_its_event_wise_sol
     excess = (8.0 - 5.0) / stiffness  # between breakaway and sliding force, as a displacement
     slipping = 2.0 * (math.pi - math.atan(excess * omega / speed)) / omega
     sticking = 2.0 * excess / speed
-    r = run(Belt(), 6.0, backend=backend, step=1e-3, inputs={"speed": speed}, initial={"block.flange.flow": speed})
+    until, count = (6.0, 6) if backend is Backend.NATIVE else (2.6, 3)
+    r = run(Belt(), until, backend=backend, step=1e-3, inputs={"speed": speed}, initial={"block.flange.flow": speed})
     first = 8.0 / stiffness / speed
     expected: list[float] = []
     for k in range(4):
         begins = first + k * (slipping + sticking)
         expected += [begins, begins + slipping]
-    assert [e.time for e in r.events][:6] == pytest.approx(expected[:6], abs=1e-9)
+    assert [e.time for e in r.events][:count] == pytest.approx(expected[:count], abs=1e-9)
     assert r["spring.port.displacement"].max() == pytest.approx(0.2 + math.hypot(excess, speed / omega), rel=1e-3)
     stuck = (r.time > expected[1] + 1e-9) & (r.time < expected[2] - 1e-9)
     assert stuck.sum() > 3

@@ -251,7 +251,7 @@ def test_a_capacitor_swings_with_a_coil_once_a_switch_joins_them(backend: Backen
 
 @pytest.mark.parametrize("method", list(Method))
 def test_a_switch_that_opens_takes_the_energy_of_the_coil_and_the_balance_counts_it(method: Method):
-    r = run(Oscillator(), 4e-4, step=1e-7, method=method, inputs={"command": is_zero(2e-5)})
+    r = run(Oscillator(), 1e-4, step=1e-7, method=method, inputs={"command": is_zero(2e-5)})
     opened = r.time > 2.001e-5
     assert np.all(np.abs(r["coil.port.flow"][opened]) < 1e-20)
     assert np.ptp(r["capacitor.port.effort"][opened]) == 0.0
