@@ -617,6 +617,12 @@ CASES = (
         cure="with all cuts",
     ),
     Case(
+        code="reduction/runs",
+        run=lambda: plan_reduction(quarter(), [], rank_activity(run())),
+        names=("quarter",),
+        cure="the runs through several scenarios",
+    ),
+    Case(
         code="reduction/unknown-row",
         run=lambda: planned().explain("bodi"),
         names=("bodi",),

@@ -42,6 +42,54 @@ def test_inertias_through_a_gear_are_reflected():
     same(full, other, [*names, "load.shaft.flow", "load.shaft.effort", "drive.shaft.power"])
 
 
+def stiff() -> list[pm.Removal]:
+    """The shaft of the driveline made rigid."""
+    return [pm.ZeroFlow(parse_path("shaft.spring.port")), pm.ZeroFlow(parse_path("shaft.damper.port"))]
+
+
+def test_what_removals_have_joined_can_be_one():
+    full = compiled(driveline())
+    rigid = compiled(full.model.without(stiff()))
+    (found,) = find_merges(rigid)
+    assert found.dependent
+    assert found.formula == "engine.inertia + pinion.inertia/gear.ratio**2 + load.inertia/gear.ratio**2"
+    assert found.value == pytest.approx(0.2 + (0.05 + 1.5) / 2.0**2)
+    other = compiled(rigid.model.without(found.removals))
+    assert rigid.system.causal.derivative
+    assert not other.system.causal.derivative
+    assert [str(row.path) for row in other.system.rows] == ["bearing", "engine_merged"]
+    # The knobs of all three still turn.
+    given = {"load.inertia": 0.7, "pinion.inertia": 0.4}
+    one, two = (run(model, 2.0, parameters=given) for model in (rigid, other))
+    for part in ("engine", "pinion", "load"):
+        for what in ("flow", "momentum"):
+            close(two[f"{part}.shaft.{what}"], one[f"{part}.shaft.{what}"], 1e-10)
+
+
+def test_merging_comes_after_what_is_written_before_it_and_before_the_rest():
+    full = compiled(driveline())
+    (gear,) = find_merges(full)
+    first = compiled(full.model.without([*gear.removals, *stiff()]))
+    last = compiled(full.model.without([*stiff(), *gear.removals]))
+    same(first, last, ["engine.shaft.flow", "load.shaft.flow", "pinion.shaft.effort"])
+    gone = full.model.without([*gear.removals, pm.ZeroEffort(parse_path("engine_merged.shaft"))])
+    assert {str(row.path) for row in compiled(gone).system.rows} == {"bearing", "load", "shaft.damper", "shaft.spring"}
+
+
+def test_a_plan_offers_what_its_removals_have_joined():
+    full = compiled(driveline())
+    one = run(full, 4.0, step=1e-4, every=2e-3)
+    reduction = pm.plan_reduction(full, one, pm.rank_activity(one), threshold=0.95, tolerance=0.2)
+    (merge,) = reduction.merges
+    assert str(merge) == "load into engine: inertia engine.inertia + load.inertia/gear.ratio**2 = 0.575"
+    assert f"could be one: {merge}" in str(reduction)
+    small = compiled(full.model.without([*reduction.removals, *merge.removals]))
+    same(compiled(full.model.without(reduction.removals)), small, ["engine.shaft.flow", "load.shaft.flow"])
+    assert len(small.system.states) == 1
+    whole = pm.plan_reduction(full, one, pm.rank_activity(one), threshold=1.0)
+    assert whole.merges == ()  # engine and pinion could be one, but no removal has brought that about
+
+
 def three_wheels() -> Component:
     """Two gears in a row, three inertias that start at different speeds."""
     drive, first, gear = Drive(torque=5.0), RotatingInertia(inertia=0.2, start_speed=3.0), Gear(ratio=2.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import takewhile
 
 from propermodel.bondgraph.graph import Absorbed, Bond, Element, End
 from propermodel.bondgraph.merging import linear_one_port, merged_element, sharing
@@ -40,7 +41,8 @@ def make_removals(
     """Make the removals in a net in normal form, and bring it to normal form again.
 
     A removal may name a bond that only exists once earlier removals are made (of a model reduced before), so those
-    whose bonds exist are made together, and the rest after simplification.
+    whose bonds exist are made together, and the rest after simplification. Elements are merged after the removals that
+    are written before, which may be what joins them.
 
     Raises:
         ReductionError: a removal names no bond, a bond is removed twice, or a field goes at some of its ports only.
@@ -58,7 +60,7 @@ def make_removals(
             )
     faults.raise_if_any()
     while pending:
-        possible = [removal for removal in pending if removal.bond in net.bonds]
+        possible = _next([removal for removal in pending if removal.bond in net.bonds])
         if not possible:
             for removal in pending:
                 if removal.bond not in net.known_zero:
@@ -73,6 +75,12 @@ def make_removals(
         normalise(net, _apply(net, domains, possible, new_input, faults))
         pending = [removal for removal in pending if removal not in possible]
     faults.raise_if_any()
+
+
+def _next(removals: list[BondRemoval]) -> list[BondRemoval]:
+    """Those that are made together: all up to the first merging, or mergings in a row."""
+    is_merge = bool(removals) and isinstance(removals[0], Merge)
+    return list(takewhile(lambda removal: isinstance(removal, Merge) is is_merge, removals))
 
 
 def _apply(

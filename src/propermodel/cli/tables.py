@@ -184,6 +184,7 @@ def study_lines(study: ReductionStudy) -> list[str]:
         f"{removed} removed, {kept} kept with {reduction.kept_activity:.2%} of the activity",
         f"{len(full.compiled.system.states)} states become {len(reduced.compiled.system.states)}",
     ]
+    lines.extend(f"could be one, exactly: {merge}" for merge in reduction.merges)
     for name, path in study.options.totals.items():
         before, after = (run.at_end(path) - run.at_start(path) for run in (full, reduced))
         change = f" ({after / before - 1.0:+.3%})" if before else ""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from propermodel.bondgraph.flatten import flatten
 from propermodel.causality.causal import CausalGraph
 from propermodel.causality.complete import complete_causality
@@ -29,7 +27,7 @@ OBSERVED = frozenset(
 
 
 def signals_to_freeze(evidence: RunEvidence, removals: Iterable[Removal]) -> tuple[Freeze, ...]:
-    """Inputs that read a removed element and still matter to what is left, at the mean of the run."""
+    """Inputs that read a removed element and still matter to what is left, at the mean of the runs."""
     removals = tuple(removals)
     full = evidence.compiled.graph
     reduced = flatten(evidence.compiled.model.without(removals))
@@ -40,8 +38,8 @@ def signals_to_freeze(evidence: RunEvidence, removals: Iterable[Removal]) -> tup
         value = full.signals[signal]
         if any(_reads(leaf, gone) for leaf in leaves(value)):
             path: Path = signal.data.path
-            if path in evidence.trajectory:
-                found.append(Freeze(path, float(np.mean(evidence.trajectory[path]))))
+            if evidence.is_recorded(path):
+                found.append(Freeze(path, evidence.mean_signal(path)))
     return tuple(found)
 
 

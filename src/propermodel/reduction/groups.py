@@ -170,14 +170,14 @@ def _holds(evidence: RunEvidence, part: set[Path], staying: set[Path]) -> bool:
 
 
 def activity_of(evidence: RunEvidence, part: set[Path]) -> float:
-    """The activity of all energy elements at some junctions, J."""
-    elements = elements_at(evidence, part)
-    return sum(
-        evidence.activities[bond.name]
-        for path in elements
-        if evidence.structure.elements[path].kind.is_energetic
-        for bond in evidence.at[path]
-    )
+    """The activity of all energy elements at some junctions in all runs, J."""
+    return sum(evidence.activities[bond] for bond in _bonds_of_elements(evidence, part))
+
+
+def _bonds_of_elements(evidence: RunEvidence, part: set[Path]) -> list[Path]:
+    """The bonds of the energy elements at some junctions."""
+    found = [path for path in elements_at(evidence, part) if evidence.structure.elements[path].kind.is_energetic]
+    return [bond.name for path in found for bond in evidence.at[path]]
 
 
 def _may_go(evidence: RunEvidence, group: Group, candidates: set[Path], rules: GroupRules) -> bool:
@@ -190,8 +190,12 @@ def _may_go(evidence: RunEvidence, group: Group, candidates: set[Path], rules: G
         return True
     if 2 * len(candidates.intersection(group.rows)) <= len(group.rows):
         return False
-    whole = activity_of(evidence, set(evidence.structure.junctions))
-    return rules.drop_driven and activity_of(evidence, set(group.junctions)) <= LARGEST_DRIVEN_SHARE * whole
+    every = _bonds_of_elements(evidence, set(evidence.structure.junctions))
+    own = _bonds_of_elements(evidence, set(group.junctions))
+    return rules.drop_driven and all(
+        sum(run.activities[bond] for bond in own) <= LARGEST_DRIVEN_SHARE * sum(run.activities[bond] for bond in every)
+        for run in evidence.runs
+    )
 
 
 def _group(evidence: RunEvidence, part: set[Path], links: list[Link]) -> Group:

@@ -11,7 +11,7 @@ from propermodel.expressions.core import SymbolKind, leaves
 from propermodel.modelling.model import BondRemoval, ElementKind, Freeze, Removal
 from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.freezing import signals_to_freeze
-from propermodel.reduction.lost_modes import LostMode, ModeWatch
+from propermodel.reduction.lost_modes import LostMode, ModeKind, ModeWatch
 from propermodel.reduction.single import Proposal, Refusal
 from propermodel.reduction.singular import Twin, explain_removals
 from propermodel.reduction.together import too_much_together
@@ -47,7 +47,7 @@ class Judge:
     """Tries proposals out, all at once where possible, otherwise one by one."""
 
     def __init__(
-        self, compiled: CompiledModel, evidence: RunEvidence, modes: ModeWatch, keep: set[Path], rules: Rules
+        self, compiled: CompiledModel, evidence: RunEvidence, modes: Sequence[ModeWatch], keep: set[Path], rules: Rules
     ) -> None:
         self.compiled = compiled
         self.evidence = evidence
@@ -102,7 +102,7 @@ class Judge:
             SimulationError: along the run nothing solves the equations of the reduced model.
         """
         if self._lost is None or self._lost[0] is not reduced:
-            self._lost = reduced, self.modes.lost(reduced)
+            self._lost = reduced, _each_once(mode for watch in self.modes for mode in watch.lost(reduced))
         return self._lost[1]
 
     def objection(self, proposals: Sequence[Proposal]) -> Objection | None:
@@ -164,6 +164,16 @@ class Judge:
             why = f"along the run nothing solves the equations that are left: {error.diagnostics[0].message}"
             return Objection(Refusal.FLAT_LAW, why)
         return Objection(Refusal.STABILITY, str(serious[0])) if serious else None
+
+
+def _each_once(modes: Iterable[LostMode]) -> tuple[LostMode, ...]:
+    """Of each kind, lost or new, the first that a run shows; a serious one before others."""
+    found: dict[tuple[ModeKind, bool], LostMode] = {}
+    for mode in modes:
+        known = found.get((mode.kind, mode.is_new))
+        if known is None or (mode.is_serious and not known.is_serious):
+            found[mode.kind, mode.is_new] = mode
+    return tuple(found.values())
 
 
 def _bonds(proposal: Proposal) -> set[Path]:

@@ -27,6 +27,11 @@ class MergedElement:
     value: float
     dependent: bool  # whether one of them is dependent storage
 
+    @property
+    def members(self) -> frozenset[Path]:
+        """The bonds of all that become one."""
+        return frozenset((self.into, *(removal.bond for removal in self.removals)))
+
     def __str__(self) -> str:
         names = ", ".join(str(removal.bond.parent) for removal in self.removals)
         return f"{names} into {self.into.parent}: {_WORDS[self.kind]} {self.formula} = {self.value:.6g}"
@@ -71,6 +76,12 @@ def find_merges(compiled: CompiledModel) -> tuple[MergedElement, ...]:
             )
         )
     return tuple(merges)
+
+
+def merges_after(full: CompiledModel, reduced: CompiledModel) -> tuple[MergedElement, ...]:
+    """The linear elements that could be one since removals have joined them, as rigid parts do."""
+    before = [merge.members for merge in find_merges(full)]
+    return tuple(m for m in find_merges(reduced) if not any(m.members <= known for known in before))
 
 
 def _partners(

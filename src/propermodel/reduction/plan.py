@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-
-import numpy as np
 
 from propermodel.analysis.ranking import ActivityRanking, ActivityRow
 from propermodel.compiler import CompiledModel
@@ -18,6 +16,7 @@ from propermodel.reduction.evidence import RunEvidence
 from propermodel.reduction.groups import Group, GroupRules, find_groups
 from propermodel.reduction.judging import Judge, Rules, removals_of
 from propermodel.reduction.lost_modes import ModeWatch, told
+from propermodel.reduction.merges import MergedElement, merges_after
 from propermodel.reduction.reading import elements_of_outputs
 from propermodel.reduction.single import PRELOAD_SHARE, Proposal, Refusal, propose, propose_constant
 from propermodel.reduction.singular import Twin
@@ -69,6 +68,7 @@ class Reduction:
     kept_by_threshold: int
     protected: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+    merges: tuple[MergedElement, ...] = ()  # what could be one since these removals, exactly; not among them
 
     def _repr_html_(self) -> str | None:
         return notebook_html(self)
@@ -132,13 +132,14 @@ class Reduction:
             ),
         ]
         lines.extend(f"  {freeze.signal} frozen at {freeze.value:.6g}" for freeze in self.frozen)
+        lines.extend(f"  could be one: {merge}" for merge in self.merges)
         lines.extend(f"  note: {note}" for note in self.notes)
         return "\n".join(lines)
 
 
 def plan_reduction(
     compiled: CompiledModel,
-    trajectory: Trajectory,
+    trajectory: Trajectory | Sequence[Trajectory],
     ranking: ActivityRanking,
     *,
     threshold: float = 0.99,
@@ -157,9 +158,9 @@ def plan_reduction(
 
     Args:
         compiled: The full model.
-        trajectory: Its run, with the observables of all ports recorded.
-        ranking: Its ranking; one over windows or scenarios keeps what any of them needs, while the local tests look at
-            this run.
+        trajectory: Its run, or its runs through several scenarios, with the observables of all ports recorded. What is
+            called small is small in every run.
+        ranking: Its ranking; one over windows or scenarios keeps what any of them needs.
         threshold: The share of activity to keep.
         protected: Observables that must stay defined.
         tolerance: Largest share that a neglected term may have at its junction.
@@ -168,7 +169,8 @@ def plan_reduction(
         release: Rows that are tested as if they were below the threshold, however much they do.
 
     Raises:
-        ReductionError: the threshold is no share, or a protected output or a row does not exist.
+        ReductionError: the threshold is no share, a protected output or a row does not exist, there is no run, or one
+            is of another model.
     """
     rules = Rules(
         threshold=threshold,
@@ -183,10 +185,12 @@ def plan_reduction(
                 f"the protected output '{path}' does not exist",
                 help=one_of(str(path), map(str, compiled.lowered.observables)),
             )
+    runs = (trajectory,) if isinstance(trajectory, Trajectory) else tuple(trajectory)
+    _check_runs(compiled, runs)
     locked, released = _rows(ranking, keep), _rows(ranking, release)
     kept = ({row.path for row in ranking.kept_by(threshold)} | locked) - released
-    evidence = RunEvidence.of(compiled, trajectory)
-    modes = ModeWatch(trajectory)
+    evidence = RunEvidence.of(compiled, *runs)
+    modes = tuple(map(ModeWatch, runs))
     candidates = [row for row in ranking.rows if row.path not in kept]
     # What lies in no group: a driven part may go with rows that the threshold keeps, but not with locked ones.
     inviolable = locked if drop_driven else kept
@@ -211,6 +215,19 @@ def _rows(ranking: ActivityRanking, names: Iterable[Path | str]) -> set[Path]:
             help=one_of(str(path), map(str, known)),
         )
     return found
+
+
+def _check_runs(compiled: CompiledModel, runs: Sequence[Trajectory]) -> None:
+    bonds = set(compiled.graph.normal.bonds)
+    other = next((run for run in runs if set(run.compiled.graph.normal.bonds) != bonds), None)
+    if not runs or other is not None:
+        raise ReductionError.of(
+            "reduction/runs",
+            f"the run of scenario '{other.scenario.name}' is one of another model"
+            if other is not None
+            else f"there is no run to reduce {compiled.model.name} by",
+            help="give the run, or the runs through several scenarios, of the model that is reduced",
+        )
 
 
 def _propose(
@@ -282,6 +299,7 @@ def _assemble(
         kept_by_threshold=len(ranking.kept_by(rules.threshold)),
         protected=rules.protected,
         notes=tuple(_notes(judge, accepted, frozen, reduced)),
+        merges=merges_after(judge.compiled, reduced) if accepted else (),
     )
 
 
@@ -290,10 +308,8 @@ def _notes(judge: Judge, accepted: list[Proposal], frozen: tuple[Freeze, ...], r
         yield "nothing can be removed at this threshold"
         return
     for freeze in frozen:
-        values = judge.evidence.trajectory[freeze.signal]
-        swing = float(np.max(np.abs(values - freeze.value)))
+        swing = judge.evidence.swing(freeze.signal, freeze.value)
         if swing > judge.rules.tolerance * abs(freeze.value):
             yield f"{freeze.signal} is frozen at {freeze.value:.6g}; in the run it was up to {swing:.3g} away from that"
-    if judge.modes.problem:
-        yield judge.modes.problem
+    yield from dict.fromkeys(watch.problem for watch in judge.modes if watch.problem)
     yield from told(judge.lost_modes(reduced))

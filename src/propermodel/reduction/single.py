@@ -33,7 +33,8 @@ class Term:
 
     bond: Path
     junction: Path
-    share: float
+    share: float  # in the worst run
+    constant: Variable | None = None  # what keeps its mean, where that is so
 
 
 class Refusal(StrEnum):
@@ -98,7 +99,7 @@ def propose_constant(evidence: RunEvidence, row: ActivityRow, tolerance: float) 
         f"constant {output} {value:.6g}",
         f"what a constant leaves unexplained is at most {max(rests):.2%} of the greatest activity "
         f"(zero: {max(shares):.2%})",
-        tuple(Term(bond.name, place, rest) for (bond, place), rest in zip(sums, rests, strict=True)),
+        tuple(Term(bond.name, place, rest, output) for (bond, place), rest in zip(sums, rests, strict=True)),
     )
 
 

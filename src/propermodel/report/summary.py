@@ -13,6 +13,7 @@ import numpy as np
 from propermodel.analysis.comparison import OutputError
 from propermodel.codegen.versions import versions
 from propermodel.modelling.removal_words import removal_text
+from propermodel.reduction.merges import MergedElement
 from propermodel.reduction.plan import Decision, Reduction
 from propermodel.report.plain import finite
 from propermodel.report.speed import BestSteps, Speed, Timing
@@ -53,6 +54,7 @@ def summarise(study: ReductionStudy) -> dict[str, Json]:
         "states": {"full": len(full.compiled.system.states), "reduced": len(reduced.compiled.system.states)},
         "elements": [_element(decision) for decision in reduction.decisions],
         "removals": [removal_text(removal) for removal in reduction.removals],
+        "merges": [_merge(merge) for merge in reduction.merges],
         "protected_outputs": [str(path) for path in reduction.protected],
         "totals": totals,
         "output_errors": {str(error.path): _output_error(error) for error in study.comparison.outputs},
@@ -131,6 +133,17 @@ def _element(decision: Decision) -> dict[str, Json]:
             for way in decision.ways
         ],
         "regular_twins": [str(twin) for twin in decision.twins],
+    }
+
+
+def _merge(merge: MergedElement) -> dict[str, Json]:
+    return {
+        "into": str(merge.into),
+        "bonds": [str(removal.bond) for removal in merge.removals],
+        "kind": merge.kind,
+        "formula": merge.formula,
+        "value": merge.value,
+        "dependent_storage": merge.dependent,
     }
 
 
