@@ -81,7 +81,9 @@ def test_a_run_is_that_of_the_command_line(studio: Client, folder: Path, done: d
     assert done["scenario"] == "waves"
     assert done["message"] == "completed to 10 s"
     assert len(done["spark"]) == 60
-    assert {"steps", "speed", "energy unaccounted", "body.flange.flow"} <= {fact["name"] for fact in done["summary"]}
+    assert {"steps", "wall time", "energy unaccounted", "body.flange.flow"} <= {
+        fact["name"] for fact in done["summary"]
+    }
     subject = load_subject(f"{folder / 'car.py'}:QuarterCar")
     scenario = pm.Scenario(stop=10.0, inputs=subject.scenario.inputs, parameters={pm.Path(("body_mass",)): 1300.0})
     expected = simulate(compile_model(subject.model), scenario, step=1e-3, record_every=0.01)

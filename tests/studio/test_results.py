@@ -154,12 +154,39 @@ def test_the_python_for_a_reduction_does_the_same(
 @pytest.mark.parametrize(
     ("query", "words"),
     [
-        ("model=half-car", ["from propermodel.library.vehicle.half_car import HalfCar", "rough_road()"]),
-        ("model=inner/car.json&scenario=inner/waves.json", ["pm.read_model('inner/car.json')", "pm.read_scenario("]),
+        ("signal=body.flange.flow&signal=wheel.flange.flow", ["run.plot(['body.flange.flow', 'wheel.flange.flow'])"]),
+        ("activity=yes&threshold=0.9", ["pm.rank_activity(run)", "ranking.kept_by(0.9)"]),
+    ],
+)
+def test_the_python_for_what_a_page_shows_of_a_run(studio: Client, full: Json, query: str, words: list[str]):
+    text = studio.get(f"/api/python?job={full['id']}&{query}").body.decode()
+    compile(text, "script", "exec")
+    for word in words:
+        assert word in text
+
+
+def test_the_python_for_a_run_that_is_about_to_be_ordered(studio: Client):
+    words = "scenario=waves&until=5&method=rk4&step=0.001&set=body_mass=1.3 t&set=wheel.mass=70 kg"
+    text = studio.get(f"/api/python?model=car.py:QuarterCar&{words}".replace(" ", "%20")).body.decode()
+    assert "subject = load_subject('car.py:QuarterCar', 'waves')" in text
+    assert "stop=5.0, parameters={**scenario.parameters, 'body_mass': 1300.0, 'wheel.mass': 70.0}" in text
+    assert "method=pm.Method.RK4" in text
+    assert studio.get("/api/python?model=car.py:QuarterCar&until=x").code == "studio/request"
+
+
+@pytest.mark.parametrize(
+    ("query", "words", "prints"),
+    [
+        ("model=half-car", ["from propermodel.library.vehicle.half_car import HalfCar", "rough_road()"], "states"),
+        (
+            "model=inner/car.json&scenario=inner/waves.json",
+            ["pm.read_model('inner/car.json')", "pm.read_scenario("],
+            "completed to 10 s",
+        ),
     ],
 )
 def test_the_python_that_opens_a_model(
-    studio: Client, folder: Path, monkeypatch: pytest.MonkeyPatch, query: str, words: list[str]
+    studio: Client, folder: Path, monkeypatch: pytest.MonkeyPatch, query: str, words: list[str], prints: str
 ):
     text = studio.get(f"/api/python?{query}").body.decode()
     for word in words:
@@ -167,7 +194,7 @@ def test_the_python_that_opens_a_model(
     monkeypatch.chdir(folder)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(compile(text, "script", "exec"), {})
-    assert "states" in printed.getvalue()
+    assert prints in printed.getvalue()
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from propermodel.reduction.certify import CertifiedModel
 from propermodel.report.buckets import Intervals, extremes, packed
 from propermodel.report.panels import Panel, Series
 from propermodel.report.run_data import (
+    USUAL_THRESHOLD,
     Fate,
     balance_data,
     history_data,
@@ -40,7 +41,6 @@ FORMAT = "propermodel report"
 VERSION = 1
 INTERVALS = 1000  # of each signal
 SHORT_INTERVALS = 200  # of the histories of single elements
-USUAL_THRESHOLD = 0.99  # where none was used
 
 Json = Any
 

@@ -15,6 +15,7 @@ from propermodel.diagnostics import Path
 from propermodel.report.buckets import Intervals, exactly_packed, packed
 from propermodel.simulation.trajectory import Trajectory
 
+USUAL_THRESHOLD = 0.99  # where none was used
 WINDOWS = 220  # instants between which activities can be ranked anew
 
 Json = Any

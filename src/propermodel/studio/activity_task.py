@@ -12,8 +12,8 @@ from propermodel.analysis.balance import energy_balance
 from propermodel.analysis.comparison import OutputError, compare_columns
 from propermodel.diagnostics import Path, SimulationError, parse_path
 from propermodel.drawing.depict import depict
-from propermodel.report.page_data import USUAL_THRESHOLD, output_data
-from propermodel.report.run_data import balance_data, ranking_data, windows_data
+from propermodel.report.page_data import output_data
+from propermodel.report.run_data import USUAL_THRESHOLD, balance_data, ranking_data, windows_data
 from propermodel.simulation.reopening import reopened
 from propermodel.simulation.storage import load_trajectory
 from propermodel.simulation.trajectory import Trajectory

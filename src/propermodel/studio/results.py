@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,21 +12,22 @@ from starlette.routing import Route
 
 from propermodel.diagnostics import Path, one_of, parse_path
 from propermodel.report.buckets import Intervals, packed
-from propermodel.report.run_data import history_data, instants
+from propermodel.report.run_data import USUAL_THRESHOLD, history_data, instants
 from propermodel.studio.answers import Answers
 from propermodel.studio.faults import StudioError
 from propermodel.studio.folder import Folder, Trust
 from propermodel.studio.job import Job, JobKind, JobState
-from propermodel.studio.orders import REDUCTION_ORDER, RUN_ORDER, RunOrder, order_data
+from propermodel.studio.orders import REDUCTION_ORDER, RUN_ORDER, RunOrder, order_data, read_order
 from propermodel.studio.queue import Queue
 from propermodel.studio.recorded import RecordedRun
 from propermodel.studio.runs import RunRoutes
 from propermodel.studio.store import PAGE_FILE, REPORT_FILE, RUN_FILE
-from propermodel.studio.words import asked
+from propermodel.studio.words import asked, number
 from propermodel.studio.workers import Workers
 
 Json = Any
 
+_RUN_WORDS = ("scenario", "until", "method", "step", "tolerance", "set", "run")
 INTERVALS = 500  # of a history
 
 
@@ -76,23 +78,26 @@ class ResultRoutes:
         return JSONResponse(await self._answers.get(f"compare {a.id} {b.id}", stamped, ask))
 
     async def python(self, request: Request) -> Response:
-        """The Python that does what a job did, or that opens a model."""
-        number = request.query_params.get("job", "")
-        if number:
-            job = self._queue.get(number)
-            full = job if job.run is None else self._queue.get(job.run)
-            order, reduction, outputs = full.order, job.reduction, job.outputs
+        """The Python that does what a page did: with a job, or with a model that is to be opened or run."""
+        words = request.query_params
+        job = self._queue.get(words["job"]) if words.get("job") else None
+        reduction = None if job is None else job.reduction
+        if job is None:
+            order = _order_in(request)
         else:
-            words = asked(request, "model"), request.query_params.get("scenario", "")
-            order, reduction, outputs = RunOrder(model=words[0], scenario=words[1]), None, ()
-        assert order is not None  # a run has one
+            full = job if job.run is None else self._queue.get(job.run)
+            assert full.order is not None  # a run has one
+            order = full.order
         model, scenario = self._folder.model(order.model), self._folder.scenario(order.scenario)
         self._trust.check(self._folder, model, scenario)
+        is_ranked = reduction is None and bool(words.get("activity"))
         arguments = {
             "order": order_data(RUN_ORDER, order),
             "reduction": None if reduction is None else order_data(REDUCTION_ORDER, reduction),
-            "outputs": [str(path) for path in outputs],
-            "is_run": bool(number),
+            "outputs": [] if job is None else [str(path) for path in job.outputs],
+            "signals": [] if job is None else [str(parse_path(text)) for text in words.getlist("signal")],
+            "threshold": number(request, "threshold", USUAL_THRESHOLD) if is_ranked else None,
+            "is_run": job is not None or any(words.get(name) for name in _RUN_WORDS),
         }
 
         async def ask() -> bytes:
@@ -136,6 +141,20 @@ class ResultRoutes:
             Route("/api/compare", self.comparison),
             Route("/api/python", self.python),
         ]
+
+
+def _order_in(request: Request) -> RunOrder:
+    """The run that a page is about to order.
+
+    Raises:
+        StudioError: a word is not what it should be.
+    """
+    words = request.query_params
+    given: dict[str, Json] = {"model": asked(request, "model")}
+    given |= {name: words[name] for name in ("scenario", "method") if words.get(name)}
+    given |= {name: number(request, name, 0.0) for name in ("until", "step", "tolerance") if words.get(name)}
+    given["settings"] = {name: value for name, _, value in (text.partition("=") for text in words.getlist("set"))}
+    return read_order(RUN_ORDER, json.dumps(given).encode())
 
 
 def bonds_of(rows: Mapping[str, Sequence[str]], row: str) -> list[Path]:

@@ -155,7 +155,7 @@ def result_of(run: Trajectory, outputs: tuple[Path, ...]) -> Json:
         "message": ending.message,
         "elements": [str(owner)] if owner is not None else [],
         "spark": _spark(run, shown[0]) if shown else None,
-        "outputs": [str(path) for path in shown],
+        "outputs": [str(path) for path in outputs],
         "summary": [{"name": name, "value": value, "note": note} for name, value, note in _summary(run, shown)],
     }
 
@@ -167,11 +167,10 @@ def main_signals(compiled: CompiledModel) -> tuple[Path, ...]:
 
 def _summary(run: Trajectory, outputs: tuple[Path, ...]) -> list[tuple[str, str, str]]:
     statistics = run.statistics
-    length = run.ending.time - run.scenario.start
     rejected = f", {statistics.rejected} more rejected" if statistics.rejected else ""
     found = [
         ("steps", str(statistics.steps), f"{run.method.value}, at most {run.step:.3g} s{rejected}"),
-        ("speed", f"{length / max(statistics.wall_s, 1e-9):.3g} x real time", f"{statistics.wall_s:.2f} s"),
+        ("wall time", f"{statistics.wall_s:.2f} s", "with the start and the recording of the run"),
     ]
     if run.ending.is_complete:
         residual = energy_balance(run).relative_residual
@@ -181,8 +180,10 @@ def _summary(run: Trajectory, outputs: tuple[Path, ...]) -> list[tuple[str, str,
     for path in outputs[:6]:
         if path in run:
             start, end = run.at_start(path), run.at_end(path)
+            seen = run.overview(path, points=1)
+            size = float(np.nanmax(np.abs([*seen.least, *seen.greatest, start, end])))
             if math.isfinite(start) and math.isfinite(end):
-                display = display_for(run.unit(path), max(abs(start), abs(end)))
+                display = display_for(run.unit(path), size)
                 value = f"{start * display.factor:.4g} → {end * display.factor:.4g} {display.unit}".rstrip()
                 found.append((str(path), value, "from start to end"))
     return found

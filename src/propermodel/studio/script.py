@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
 
 from propermodel.catalogue.named import NAMED_MODELS, Target
 from propermodel.catalogue.subject import Subject
@@ -13,17 +13,20 @@ from propermodel.simulation.choosing import AUTO, Choice
 from propermodel.studio.orders import ReductionOrder, RunOrder
 from propermodel.studio.run_task import Periods, ordered_subject, periods_of
 
-Json = Any
+
+@dataclass(frozen=True, kw_only=True)
+class Steps:
+    """What a script does beside opening a model."""
+
+    is_run: bool
+    plotted: tuple[Path, ...] = ()  # signals of the run
+    threshold: float | None = None  # of a ranking of the run
+    reduction: ReductionOrder | None = None  # of the run
+    outputs: tuple[Path, ...] = ()  # that the reduction protects and compares
 
 
-def script(order: RunOrder, reduction: ReductionOrder | None, outputs: tuple[Path, ...], *, is_run: bool) -> str:
-    """A script that opens a model, and runs and reduces it as a job did.
-
-    Args:
-        order: The model and its run.
-        reduction: The reduction of that run, if there is one.
-        outputs: What the reduction protects and compares.
-        is_run: Whether the model is run, or only compiled.
+def script(order: RunOrder, steps: Steps) -> str:
+    """A script that opens a model, and runs, plots, ranks and reduces it as a page did.
 
     Raises:
         ProperModelError: the order does not fit the model.
@@ -32,21 +35,37 @@ def script(order: RunOrder, reduction: ReductionOrder | None, outputs: tuple[Pat
     periods = periods_of(subject)
     imports, opened = _opening(order)
     lines = [*opened, *_changes(subject, order), "", "compiled = pm.compile_model(model)"]
-    if is_run:
+    if steps.is_run:
         lines += [f"run = {_simulation('compiled', 'scenario', subject, periods)}", "print(run)"]
     else:
         lines.append("print(pm.state_equations(compiled).text())")
-    if reduction is not None:
+    if steps.plotted:
+        imports.add("import matplotlib.pyplot as plt")
+        lines += ["", f"run.plot({_texts(steps.plotted)})", "plt.show()"]
+    if steps.threshold is not None:
+        kept = f"[str(row.path) for row in ranking.kept_by({steps.threshold!r})]"
+        lines += ["", "ranking = pm.rank_activity(run)", "print(ranking)", f"print({kept})"]
+    if steps.reduction is not None:
         imports.add("from propermodel.reduction.fitting import fitting_scenario")
-        lines += ["", *_reduction(reduction, outputs, subject, periods)]
+        lines += ["", *_reduction(steps.reduction, steps.outputs, subject, periods)]
     if any(line.startswith("scenario = replace(") for line in lines):
         imports.add("from dataclasses import replace")
-    imports.add("import propermodel as pm")
-    order_of = sorted(imports, key=lambda line: ("propermodel" in line, line.startswith("from propermodel"), line))
-    standard = [line for line in order_of if "propermodel" not in line]
-    own = [line for line in order_of if "propermodel" in line]
     head = f'"""{subject.name}, as the studio has it; run it in the folder that the studio serves."""'
-    return "\n".join([head, "", *standard, *([""] if standard else []), *own, "", *lines]) + "\n"
+    return "\n".join([head, "", *_imports({*imports, "import propermodel as pm"}), "", *lines]) + "\n"
+
+
+def _imports(lines: set[str]) -> list[str]:
+    """Imports in the order of the style guide: the standard library, other packages, this one."""
+    groups = [
+        sorted(line for line in lines if "dataclasses" in line),
+        sorted(line for line in lines if "matplotlib" in line),
+        sorted((line for line in lines if "propermodel" in line), key=lambda line: (line.startswith("from"), line)),
+    ]
+    return [line for group in groups if group for line in (*group, "")][:-1]
+
+
+def _texts(paths: tuple[Path, ...]) -> str:
+    return repr([str(path) for path in paths])
 
 
 def _opening(order: RunOrder) -> tuple[set[str], list[str]]:
@@ -58,7 +77,7 @@ def _opening(order: RunOrder) -> tuple[set[str], list[str]]:
             given = names[order.scenario] if order.scenario else next(iter(names.values()))
             lines = [f"model = pm.elaborate({_call(entry.component)})", f"scenario = {_call(given)}"]
             return {_import(entry.component), _import(given)}, lines
-    if order.model.endswith(".json") and order.scenario.endswith((".json", "")) and ":" not in order.scenario:
+    if order.model.endswith(".json") and (not order.scenario or order.scenario.endswith(".json")):
         scenario = f"pm.read_scenario({order.scenario!r})" if order.scenario else "pm.Scenario()"
         return set(), [f"model = pm.read_model({order.model!r})", f"scenario = {scenario}"]
     named = repr(order.model) + (f", {order.scenario!r}" if order.scenario else "")
@@ -111,16 +130,15 @@ def _window(order: ReductionOrder, subject: Subject, periods: Periods) -> tuple[
 
 
 def _reduction(order: ReductionOrder, outputs: tuple[Path, ...], subject: Subject, periods: Periods) -> list[str]:
-    paths = [str(path) for path in outputs]
     window = "" if order.begin is None and order.end is None else f", window={_window(order, subject, periods)!r}"
-    words = ["compiled", "run", "ranking", f"threshold={order.threshold!r}", f"protected={paths!r}"]
-    words += [f"keep={[str(path) for path in order.keep]!r}"] if order.keep else []
-    words += [f"release={[str(path) for path in order.go]!r}"] if order.go else []
+    words = ["compiled", "run", "ranking", f"threshold={order.threshold!r}", f"protected={_texts(outputs)}"]
+    words += [f"keep={_texts(order.keep)}"] if order.keep else []
+    words += [f"release={_texts(order.go)}"] if order.go else []
     return [
         f"ranking = pm.rank_activity(run{window})",
         "reduction = pm.plan_reduction(\n    " + ",\n    ".join(words) + ",\n)",
         "print(reduction)",
         "reduced = pm.compile_model(model.without(reduction.removals))",
         f"again = {_simulation('reduced', 'fitting_scenario(reduced, scenario)', subject, periods)}",
-        f"print(pm.compare(run, again, {paths!r}))",
+        f"print(pm.compare(run, again, {_texts(outputs)}))",
     ]

@@ -17,7 +17,7 @@ from propermodel.studio.model_sheet import model_sheet
 from propermodel.studio.orders import REDUCTION_ORDER, RUN_ORDER, read_order_data
 from propermodel.studio.run_task import run
 from propermodel.studio.scenario_sheet import scenario_sheet
-from propermodel.studio.script import script
+from propermodel.studio.script import Steps, script
 from propermodel.studio.worker import Control
 
 Json = Any
@@ -56,13 +56,14 @@ def _files() -> list[str]:
 
 def _script(arguments: Json, _: Control) -> Json:
     reduction = arguments["reduction"]
-    text = script(
-        read_order_data(RUN_ORDER, arguments["order"]),
-        None if reduction is None else read_order_data(REDUCTION_ORDER, reduction),
-        tuple(parse_path(path) for path in arguments["outputs"]),
+    steps = Steps(
         is_run=arguments["is_run"],
+        plotted=tuple(map(parse_path, arguments["signals"])),
+        threshold=arguments["threshold"],
+        reduction=None if reduction is None else read_order_data(REDUCTION_ORDER, reduction),
+        outputs=tuple(map(parse_path, arguments["outputs"])),
     )
-    return {"sheet": text, "files": _files()}
+    return {"sheet": script(read_order_data(RUN_ORDER, arguments["order"]), steps), "files": _files()}
 
 
 def _activity(arguments: Json, control: Control) -> Json:
