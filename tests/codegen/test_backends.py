@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from propermodel.codegen.arrangement import Printing
 from propermodel.codegen.build import Backend, build_machine
 from propermodel.codegen.interpreted import InterpretedMachine
 from propermodel.codegen.llvm_compiler import Effort
@@ -204,7 +205,7 @@ def test_cutting_functions_does_not_change_a_bit(name: str, method: Method) -> N
     draft = PROGRAMS[name]()
     program = draft.program()
     whole, outcome = run(draft, NativeMachine(program, method), 200)
-    cut, same = run(draft, NativeMachine(program, method, most_instructions=7), 200)
+    cut, same = run(draft, NativeMachine(program, method, printing=Printing(most_instructions=7)), 200)
     np.testing.assert_array_equal(whole.state, cut.state)
     np.testing.assert_array_equal(outcome.rows, same.rows)
     np.testing.assert_array_equal(outcome.activities, same.activities)

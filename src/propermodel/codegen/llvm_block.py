@@ -40,8 +40,8 @@ _MATH = {
 class Block:
     """A run of instructions of one function, and the values known in it."""
 
-    def __init__(self, module: Module, rows: Mapping[Expr, int]) -> None:
-        self.text = Text(module)
+    def __init__(self, module: Module, rows: Mapping[Expr, int], shape: Shape | None = None) -> None:
+        self.text = Text(module, shape)
         self.values: dict[Expr, Value] = {}
         self._scalar = self.text.in_shape(SCALAR)
         self._layout = module.frame.layout
@@ -58,19 +58,22 @@ class Block:
 
     def number(self, node: Expr) -> str:
         """The value of such a node as one number per lane."""
-        return self._fitted(self.value(node), self.text)
+        return self.fitted(self.value(node))
 
     def compute(self, node: Expr) -> None:
         """Compute a node whose arguments are available."""
         is_table = node.op in (Op.LOOKUP, Op.SLOPE)
-        args = [self.value(arg) for arg in (node.args[1:] if is_table else node.args)]
+        self.values[node] = self.result(node, [self.value(arg) for arg in (node.args[1:] if is_table else node.args)])
+
+    def result(self, node: Expr, args: list[Value]) -> Value:
+        """The value of a node's operation for these arguments; a table has coordinates only."""
         is_uniform = self.text.shape.lanes > 1 and all(arg.is_uniform for arg in args)
         text = self._scalar if is_uniform else self.text
-        if is_table:
-            result = self._tables.look_up(node, [self._fitted(arg, text) for arg in args], text)
+        if node.op in (Op.LOOKUP, Op.SLOPE):
+            result = self._tables.look_up(node, [self.fitted(arg, text) for arg in args], text)
         else:
             result = self._operation(node, args, text)
-        self.values[node] = Value(result, node.is_condition, is_uniform)
+        return Value(result, node.is_condition, is_uniform)
 
     def compute_together(self, nodes: tuple[Expr, ...]) -> None:
         """Compute nodes of one elementary function, whose arguments are available, in one lane each."""
@@ -99,8 +102,9 @@ class Block:
             return Value("%t", is_uniform=True)
         return Value(self.text.load_row(self.text.frame.row(slot.array, slot.index)))
 
-    def _fitted(self, value: Value, text: Text) -> str:
-        """A value as numbers of the text's shape."""
+    def fitted(self, value: Value, text: Text | None = None) -> str:
+        """A value as numbers of a text's shape, its own if no other is given."""
+        text = text or self.text
         if not (value.is_truth or value.is_uniform):
             return value.text
         if value.is_truth:
@@ -118,12 +122,12 @@ class Block:
     def _truth(self, value: Value, text: Text) -> str:
         if value.is_truth and (text.shape.lanes == 1 or not value.is_uniform):
             return value.text
-        return text.compare("une", self._fitted(value, text), text.constant(0.0))
+        return text.compare("une", self.fitted(value, text), text.constant(0.0))
 
     def _operation(self, node: Expr, args: list[Value], text: Text) -> str:
         op = node.op
         if op in _ARITHMETIC:
-            first, second = (self._fitted(arg, text) for arg in args)
+            first, second = (self.fitted(arg, text) for arg in args)
             return text.emit(f"{_ARITHMETIC[op]} {text.kind} {first}, {second}")
         if op in _LOGIC:
             first, second = (self._truth(arg, text) for arg in args)
@@ -132,8 +136,8 @@ class Block:
             return text.opposite(self._truth(args[0], text))
         if op is Op.WHERE:
             condition = self._truth(args[0], text)
-            return text.choose(condition, *(self._fitted(arg, text) for arg in args[1:]))
-        numbers = [self._fitted(arg, text) for arg in args]
+            return text.choose(condition, *(self.fitted(arg, text) for arg in args[1:]))
+        numbers = [self.fitted(arg, text) for arg in args]
         if op in _COMPARISON:
             return text.compare(_COMPARISON[op], *numbers)
         if op in _CHOICE:

@@ -3,15 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from propermodel.codegen.arrangement import Printing
 from propermodel.codegen.llvm_block import Block
 from propermodel.codegen.llvm_bundles import Bundle, bundled
 from propermodel.codegen.llvm_newton import write_newton
-from propermodel.codegen.llvm_scratch import Life, Scratch
+from propermodel.codegen.llvm_repeats import repeat_lines
+from propermodel.codegen.llvm_scratch import Life, Packs, Scratch, Streams
 from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Module
 from propermodel.codegen.program import Array, Function, Program
+from propermodel.codegen.repeats import Item as Unbundled
+from propermodel.codegen.repeats import Repeat, RepeatFinder, StoreRow
 from propermodel.codegen.schedule import (
     Call,
     Level,
@@ -24,18 +28,22 @@ from propermodel.codegen.schedule import (
 )
 from propermodel.expressions.core import Expr, Op, postorder
 
+_RARE = frozenset({"observe", "jumps", "switching"})
 _WEIGHTS = {Op.LOOKUP: 20, Op.SLOPE: 3, Op.POWER: 3, Op.SIGN: 4, Op.MINIMUM: 2, Op.MAXIMUM: 2}
 
 
-@dataclass(frozen=True, slots=True)
-class StoreRow:
-    """Store the value of a node in a row."""
-
-    row: int
-    value: Expr
+Item = Unbundled | Bundle
 
 
-Item = Expr | StoreRow | Call | Bundle
+@dataclass(frozen=True)
+class Plan:
+    """What a function does: items, then what is stored when everything has been read, and where nodes are kept."""
+
+    name: str
+    items: list[Unbundled]
+    late: list[StoreRow]
+    copies: list[Repeat]
+    rows: dict[Expr, int]
 
 
 @dataclass
@@ -50,53 +58,65 @@ class Piece:
 class Writer:
     """Writes the functions of one program into a module."""
 
-    def __init__(self, module: Module, program: Program, most_instructions: int) -> None:
+    def __init__(self, module: Module, program: Program, printing: Printing) -> None:
         self.module = module
         self.program = program
-        self.most_instructions = most_instructions
+        self.printing = printing
         self.numbers = number_solves(program)
         self._scratch = Scratch(module.frame)
+        self._streams = Streams(module.frame)
         self.kept: dict[Level, dict[Expr, int]] = {Level.RUN: {}, Level.SAMPLE: {}}
 
     def write_program(self) -> None:
         """Write `prepare`, `refresh`, and the functions of the program (`sample.<k>`, `correct.<k>`)."""
         program = self.program
-        continuous = program.continuous
-        levels = node_levels(continuous, program.layout)
-        nodes = frontier(continuous, levels)
-        for level, name in ((Level.RUN, "prepare"), (Level.SAMPLE, "refresh")):
-            self._write_kept(name, level, [node for node in nodes if levels[node] is level])
+        levels = node_levels(program.continuous, program.layout)
+        nodes = frontier(program.continuous, levels)
+        for level, kept in self.kept.items():
+            kept.update((node, self.module.frame.new_row()) for node in nodes if levels[node] is level)
+        packs = Packs(self.module.frame, levels)
         rows = {**self.kept[Level.RUN], **self.kept[Level.SAMPLE]}
-        self._write_function("rates", program.rates, rows)
-        self._write_function("displacement_rates", program.displacement_rates, rows)
-        self._write_function("observe", program.observe, rows, is_rare=True)
-        if program.guards is not None:
-            self._write_function("guards", program.guards, rows)
-        if program.jumps is not None:
-            self._write_function("jumps", program.jumps, rows, is_rare=True)
-        if program.switching is not None:
-            self._write_function("switching", program.switching, rows, is_rare=True)
-        if program.implicit_step is not None:
-            for function in program.implicit_step.functions:
-                self._write_function(function.name, function, rows)
+        # What loops want to have laid out is known before the functions are written that lay it out.
+        continuous = [self._planned(*named, rows, packs) for named in self._continuous()]
+        for name, level in (("prepare", Level.RUN), ("refresh", Level.SAMPLE)):
+            self._write_kept(name, level, [StoreRow(*filled) for filled in packs.rows(level)])
+        for plan in continuous:
+            self._write_plan(plan)
         for k, function in enumerate(program.samples):
-            self._write_function(f"sample.{k}", function, self.kept[Level.RUN])
-        for k, function in enumerate(program.corrections):
-            self._write_function(f"correct.{k}", function, rows)
+            self._write_plan(self._planned(f"sample.{k}", function, self.kept[Level.RUN], None))
 
-    def _write_kept(self, name: str, level: Level, nodes: Iterable[Expr]) -> None:
+    def _continuous(self) -> Iterator[tuple[str, Function]]:
+        """The functions that read what is kept, and their names."""
+        program = self.program
+        yield "rates", program.rates
+        yield "displacement_rates", program.displacement_rates
+        yield "observe", program.observe
+        for name in ("guards", "jumps", "switching"):
+            function = getattr(program, name)
+            if function is not None:
+                yield name, function
+        if program.implicit_step is not None:
+            yield from ((function.name, function) for function in program.implicit_step.functions)
+        yield from ((f"correct.{k}", function) for k, function in enumerate(program.corrections))
+
+    def _write_kept(self, name: str, level: Level, packs: Iterable[StoreRow]) -> None:
         """A function that computes what changes only with the parameters, or with the samples."""
-        known = dict(self.kept[Level.RUN])
+        known = self.kept[Level.RUN] if level is Level.SAMPLE else {}
         order = Order(known.__contains__)
-        items: list[Item] = []
-        for node in nodes:
+        items: list[Unbundled] = []
+        for node, row in self.kept[level].items():
             items.extend(order.new_below(node))
-            self.kept[level][node] = row = self.module.frame.new_row()
             items.append(StoreRow(row, node))
-        self.write(name, items, known)
+        finder = self._finder(known)
+        items = finder.arranged([*items, *packs])
+        self.write(name, items, finder.rows)
 
-    def _write_function(self, name: str, function: Function, rows: dict[Expr, int], *, is_rare: bool = False) -> None:
-        items: list[Item] = []
+    def _finder(self, rows: dict[Expr, int], packs: Packs | None = None) -> RepeatFinder:
+        return RepeatFinder(self.module.frame, dict(rows), self._streams, self.printing.loops_from, packs)
+
+    def _planned(self, name: str, function: Function, rows: dict[Expr, int], packs: Packs | None) -> Plan:
+        """What a function does, in order."""
+        items: list[Unbundled] = []
         late: list[StoreRow] = []
         for item in sequence(function, self.numbers, rows.__contains__):
             if isinstance(item, Store):
@@ -105,14 +125,22 @@ class Writer:
                 (late if item.slot.array in (Array.DISCRETE, Array.STATE) else items).append(store)
             else:
                 items.append(item)
-        self.write(name, items, rows, late, is_rare=is_rare)
+        finder = self._finder(rows, packs)
+        items = finder.arranged(items, late)
+        late, copies = finder.copied(late)
+        return Plan(name, items, late, copies, finder.rows)
+
+    def _write_plan(self, plan: Plan) -> None:
+        is_rare = plan.name in _RARE
+        self.write(plan.name, plan.items, plan.rows, plan.late, plan.copies, is_rare=is_rare)
 
     def write(
         self,
         name: str,
-        items: list[Item],
+        items: Sequence[Item],
         rows: dict[Expr, int],
         late: Iterable[StoreRow] = (),
+        copies: Iterable[Repeat] = (),
         *,
         is_rare: bool = False,
     ) -> None:
@@ -121,10 +149,14 @@ class Writer:
         What is rarely called is compiled fast rather than well: most of a large model's code observes.
         """
         if self.module.frame.shape.lanes == 1:
-            items = list(bundled(items, Call))
+            items = list(bundled(items, (Call, Repeat)))
         pieces = self._cut(items)
+        if any(isinstance(item, Repeat) for item in pieces[-1].items):
+            pieces.append(Piece())
+            pieces.append(Piece())
         pieces[-1].late.extend(late)
-        with self._scratch.lent(self._crossing(pieces)) as lent:
+        pieces.extend(Piece([repeat]) for repeat in copies)
+        with self._scratch.lent(self._crossing(pieces, rows)) as lent:
             rows = {**rows, **lent}
             for k, piece in enumerate(pieces):
                 attributes = "noinline optnone" if is_rare else "noinline" if len(pieces) > 1 else ""
@@ -137,20 +169,21 @@ class Writer:
         head = f"define internal void @{name}({ARGUMENTS}) {attributes} {{"
         self.module.functions.append("\n".join([head, *lines, "  ret void", "}"]))
 
-    def _cut(self, items: list[Item]) -> list[Piece]:
+    def _cut(self, items: Sequence[Item]) -> list[Piece]:
         pieces = [Piece()]
         for item in items:
             weight = sum(_WEIGHTS.get(node.op, 1) for node in _nodes_of(item)) or 1
             piece = pieces[-1]
-            if piece.weight + weight > self.most_instructions and piece.items:
+            is_other = bool(piece.items) and isinstance(item, Repeat) is not isinstance(piece.items[-1], Repeat)
+            if is_other or (piece.weight + weight > self.printing.most_instructions and piece.items):
                 piece = Piece()
                 pieces.append(piece)
             piece.items.append(item)
             piece.weight += weight
         return pieces
 
-    def _crossing(self, pieces: list[Piece]) -> dict[Expr, Life]:
-        """The pieces between which values live that cross a cut."""
+    def _crossing(self, pieces: list[Piece], rows: Container[Expr]) -> dict[Expr, Life]:
+        """The pieces between which values live that cross a cut and have no row of their own."""
         home: dict[Expr, int] = {}
         last: dict[Expr, int] = {}
 
@@ -162,8 +195,9 @@ class Writer:
         for k, piece in enumerate(pieces):
             for item in (*piece.items, *piece.late):
                 for node in _nodes_of(item):
-                    home[node] = k
                     use(node.args, k)
+                    if node not in rows:
+                        home[node] = k
                 if isinstance(item, StoreRow):
                     use((item.value,), k)
                 elif isinstance(item, Call):
@@ -171,6 +205,10 @@ class Writer:
         return {node: Life(home[node], end) for node, end in last.items()}
 
     def _write_piece(self, name: str, piece: Piece, rows: dict[Expr, int], attributes: str) -> None:
+        if piece.items and isinstance(piece.items[0], Repeat):
+            loops = repeat_lines(self.module, (item for item in piece.items if isinstance(item, Repeat)))
+            self._define(name, loops, attributes)
+            return
         block = Block(self.module, rows)
         text = block.text
         for item in piece.items:
@@ -180,7 +218,7 @@ class Writer:
                 block.compute_together(item.nodes)
             elif isinstance(item, StoreRow):
                 text.store_row(item.row, block.number(item.value))
-            else:
+            elif isinstance(item, Call):
                 self._write_solve(f"{name}.solve{item.number}", item, rows)
                 text.do(f"call void @{name}.solve{item.number}({PASSED})")
             for node in _nodes_of(item):
@@ -218,5 +256,5 @@ class Writer:
 
 
 def _nodes_of(item: Item) -> tuple[Expr, ...]:
-    """The nodes that an item computes."""
+    """The nodes that an item computes one by one."""
     return (item,) if isinstance(item, Expr) else item.nodes if isinstance(item, Bundle) else ()

@@ -9,7 +9,7 @@ inlining or how functions are cut.
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -76,6 +76,7 @@ class Frame:
     shape: Shape
     layout: Layout
     state_rows: Mapping[int, int]  # index of a state to its row within the state regions
+    power_rows: Sequence[int] = ()  # of every POWER within its regions; none: as they are numbered
     regions: dict[str, int] = field(default_factory=dict)
     rows: int = 0
 
@@ -96,6 +97,8 @@ class Frame:
         """The row of one entry of an array."""
         if array in (Array.STATE, Array.RATE, Array.ERROR):
             index = self.state_rows[index]
+        elif array is Array.POWER and self.power_rows:
+            index = self.power_rows[index]
         return self.regions[array] + index
 
     def offset(self, row: int) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from propermodel.codegen.arrangement import MOST_INSTRUCTIONS
+from propermodel.codegen.arrangement import PRINTING, Printing
 from propermodel.codegen.control_block import Code
 from propermodel.codegen.fastest import prepare_watch
 from propermodel.codegen.llvm_compiler import Effort, Library
@@ -46,13 +46,13 @@ class NativeMachine:
         program: Program,
         method: Method,
         lanes: int = 1,
-        most_instructions: int = MOST_INSTRUCTIONS,
+        printing: Printing = PRINTING,
         long_run: float = LONG_RUN,
     ) -> None:
         self._program = program
         self._method = method
         self._lanes = lanes
-        self._recipe = recipe = Recipe(program, method, lanes, most_instructions)
+        self._recipe = recipe = Recipe(program, method, lanes, printing)
         kept = recipe.cached(Effort.THOROUGH)
         self._steps_to_thorough = long_run if kept is None else math.inf
         self._load(kept or recipe.get(Effort.QUICK))
@@ -133,7 +133,7 @@ class NativeMachine:
     def rates(self, memory: Memory) -> tuple[FloatArray, FloatArray]:
         """The RATE and POWER arrays at the memory's time; the memory is not changed."""
         work = self._evaluated(memory, self._library.rates)
-        return work.rate(), work.get(Array.POWER)
+        return work.rate(), work.power()
 
     def observe(self, memory: Memory) -> FloatArray:
         """The SIGNAL array at the memory's time; the memory is not changed."""

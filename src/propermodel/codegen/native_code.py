@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from propermodel.codegen.arrangement import Arrangement
+from propermodel.codegen.arrangement import Arrangement, Printing
 from propermodel.codegen.fingerprint import fingerprint
 from propermodel.codegen.llvm_compiler import Effort, compile_text, host
 from propermodel.codegen.machine import Method
@@ -45,12 +45,12 @@ class NativeCode:
 
 @dataclass(frozen=True, eq=False)
 class Recipe:
-    """What is to be compiled: a program, for a method, a number of lanes and pieces of about so many instructions."""
+    """What is to be compiled: a program, for a method and a number of lanes, printed in some way."""
 
     program: Program
     method: Method
     lanes: int
-    most_instructions: int
+    printing: Printing
 
     def cached(self, effort: Effort) -> NativeCode | None:
         """The code, where an earlier process of this user has made the same for the same machine."""
@@ -76,11 +76,11 @@ class Recipe:
         # Where an earlier process has kept the code, nothing is printed.
         from propermodel.codegen.print_program import print_program
 
-        return print_program(self.program, self.method, self.lanes, self.most_instructions)
+        return print_program(self.program, self.method, self.lanes, self.printing)
 
     @cached_property
     def _digest(self) -> str:
-        what = (fingerprint(self.program), self.method.value, str(self.lanes), str(self.most_instructions))
+        what = (fingerprint((self.program, self.printing)), self.method.value, str(self.lanes))
         return hashlib.sha256("\n".join((*what, *host(), generator_digest())).encode()).hexdigest()
 
     def _key(self, effort: Effort) -> str:

@@ -37,6 +37,7 @@ class Work:
         self._arrangement = arrangement
         self._lanes = arrangement.lanes
         self._state_rows = arrangement.state_rows
+        self._power_rows = arrangement.power_rows
         self._memory = memory
         storage = np.zeros(arrangement.rows * self._lanes + 16)
         skip = (-storage.ctypes.data % 64) // 8
@@ -53,11 +54,11 @@ class Work:
             (Array.DISCRETE, memory.discrete),
             (Array.PARAMETER, memory.parameter),
             (Array.UNKNOWN, memory.unknown),
-            ("integral", memory.integral),
-            ("activity", memory.activity),
         ):
             rows = self._rows(values)
             block[regions[region] : regions[region] + len(rows)] = rows
+        for region, values in (("integral", memory.integral), ("activity", memory.activity)):
+            block[regions[region] + self._power_rows] = self._rows(values)
         for region, values, missing in (
             (Array.STATE, memory.state, 0.0),
             ("lower", memory.lower, -_LARGEST),
@@ -105,6 +106,10 @@ class Work:
         """The rates in the order of the states."""
         return self._shaped(self._block[self._arrangement.regions[Array.RATE] + self._state_rows])
 
+    def power(self) -> FloatArray:
+        """The powers in their order in the program."""
+        return self._shaped(self._block[self._arrangement.regions[Array.POWER] + self._power_rows])
+
     def _shaped(self, rows: FloatArray) -> FloatArray:
         return rows[:, 0].copy() if self._lanes == 1 else rows.copy()
 
@@ -114,11 +119,11 @@ class Work:
         for region, values in (
             (Array.DISCRETE, memory.discrete),
             (Array.UNKNOWN, memory.unknown),
-            ("integral", memory.integral),
-            ("activity", memory.activity),
         ):
             rows = self._rows(values)
             rows[...] = block[regions[region] : regions[region] + len(rows)]
+        for region, values in (("integral", memory.integral), ("activity", memory.activity)):
+            self._rows(values)[...] = block[regions[region] + self._power_rows]
         self._rows(memory.state)[...] = block[regions[Array.STATE] + self._state_rows]
         if _SIZE in regions:
             self._rows(memory.size)[...] = block[regions[_SIZE] + self._state_rows]
@@ -185,6 +190,7 @@ class Control:
         lanes = arrangement.lanes
         powers = arrangement.lengths.get(Array.POWER, 0)
         self._lanes = lanes
+        self._power_rows = arrangement.power_rows
         self._selected = np.ascontiguousarray(request.selected, dtype=np.int64)
         most = request.most_rows
         self._row_times, self._integral_times = np.empty(most), np.empty(most)
@@ -261,8 +267,8 @@ class Control:
             row_times=self._row_times[:rows].copy(),
             rows=shaped(self._rows, rows),
             integral_times=self._integral_times[:integrals].copy(),
-            integrals=shaped(self._integrals, integrals),
-            activities=shaped(self._activities, integrals),
+            integrals=shaped(self._integrals, integrals)[:, self._power_rows],
+            activities=shaped(self._activities, integrals)[:, self._power_rows],
             least=shaped(self._least, rows),
             greatest=shaped(self._greatest, rows),
             failures=tuple(failures),

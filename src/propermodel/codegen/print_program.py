@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propermodel.codegen.arrangement import MOST_INSTRUCTIONS, Arrangement
+from propermodel.codegen.arrangement import PRINTING, Arrangement, Printing
+from propermodel.codegen.likeness import alike_together
 from propermodel.codegen.llvm_attempt import reserve_attempt, write_attempt
 from propermodel.codegen.llvm_events import reserve_events, write_events
 from propermodel.codegen.llvm_fastest import is_watching, reserve_watch
@@ -19,9 +20,10 @@ from propermodel.codegen.llvm_step import StepWriter, write_common
 from propermodel.codegen.llvm_tables import TABLE_FUNCTIONS
 from propermodel.codegen.llvm_text import WIDE, Frame, Module, Shape
 from propermodel.codegen.machine import Method
-from propermodel.codegen.program import Array, Program, Solve
+from propermodel.codegen.program import Array, Assign, Program, Solve
 from propermodel.codegen.reciprocals import with_reciprocals
 from propermodel.codegen.rosenbrock import with_step_of
+from propermodel.codegen.schedule import Level, node_levels, nodes_of
 from propermodel.codegen.tableaus import EXPLICIT_TABLEAUS
 
 
@@ -33,10 +35,8 @@ class Source:
     arrangement: Arrangement
 
 
-def print_program(
-    program: Program, method: Method, lanes: int = 1, most_instructions: int = MOST_INSTRUCTIONS
-) -> Source:
-    """The LLVM IR of a program; functions are cut into pieces of about `most_instructions`."""
+def print_program(program: Program, method: Method, lanes: int = 1, printing: Printing = PRINTING) -> Source:
+    """The LLVM IR of a program."""
     program = with_reciprocals(with_step_of(program, method))
     lengths = program.layout.lengths
     shape = Shape(lanes)
@@ -50,10 +50,11 @@ def print_program(
     state_rows |= {index: momentum_rows + k for k, index in enumerate(rest)}
     count = momentum_rows + len(rest)
 
-    frame = Frame(shape, program.layout, state_rows)
+    power_rows = _power_rows(program, printing)
+    frame = Frame(shape, program.layout, state_rows, power_rows)
     _reserve(frame, program, method, count)
     module = Module(frame)
-    Writer(module, program, most_instructions).write_program()
+    Writer(module, program, printing).write_program()
     write_common(module, count)
     if method.is_adaptive:
         write_attempt(module, program, EXPLICIT_TABLEAUS.get(method), count)
@@ -65,7 +66,22 @@ def print_program(
     write_run(module, program, method, count)
     text = module.text() + "\n" + TABLE_FUNCTIONS
     rows = np.array([state_rows[i] for i in range(len(state_rows))], dtype=np.int64)
-    return Source(text, Arrangement(lanes, frame.rows, frame.regions, dict(lengths), rows))
+    powers = np.array(power_rows, dtype=np.int64)
+    return Source(text, Arrangement(lanes, frame.rows, frame.regions, dict(lengths), rows, powers))
+
+
+def _power_rows(program: Program, printing: Printing) -> list[int]:
+    """The row of every POWER: in large programs those that are computed alike lie side by side."""
+    assigns = [step for step in program.rates.steps if isinstance(step, Assign) and step.slot.array is Array.POWER]
+    rows = list(range(program.layout.lengths.get(Array.POWER, 0)))
+    if len(nodes_of([program.rates])) >= printing.loops_from:
+        levels = node_levels([program.rates], program.layout)
+        order = alike_together(
+            [step.value for step in assigns], lambda node: levels[node] if levels[node] < Level.STEP else node.op
+        )
+        for row, place in enumerate(order):
+            rows[assigns[place].slot.index] = row
+    return rows
 
 
 def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) -> None:
