@@ -8,10 +8,11 @@ import { RankingView } from "../views/ranking.tsx";
 import { usePicture } from "../views/reduction.tsx";
 import { RankingState } from "../views/state.ts";
 import { Balances, Facts, Notes } from "../views/tables.tsx";
-import type { ActivityData, Job, ModelSheet } from "./api.ts";
+import type { ActivityData, Job, ModelSheet, SignalEntry } from "./api.ts";
 import { get, post } from "./client.ts";
 import { FaultView, When } from "./fault.tsx";
 import { made } from "./jobs.ts";
+import { SignalPicker } from "./picker.tsx";
 import { useResource } from "./resource.ts";
 import type { Studio } from "./studio.ts";
 
@@ -67,6 +68,7 @@ function Activity({ studio, run, runs, data }: ActivityProps) {
     <div class="activity-screen">
       <div class="head tools">
         <RunPicker studio={studio} runs={runs} run={run} />
+        <OutputPicker studio={studio} run={run} />
         <span class="gap" />
         <Build studio={studio} run={run} state={state} />
       </div>
@@ -89,6 +91,18 @@ function Activity({ studio, run, runs, data }: ActivityProps) {
   );
 }
 
+/** What both models are compared by. */
+function outputsOf(studio: Studio, run: Job): readonly string[] {
+  const wanted = studio.address.all("output");
+  return wanted.length > 0 ? wanted : run.outputs;
+}
+
+function OutputPicker({ studio, run }: { studio: Studio; run: Job }) {
+  const signals = useResource(run.id, (id) => get<SignalEntry[]>(`/runs/${id}/signals`));
+  const all = signals.state === "there" ? signals.value.map(({ path }) => path) : run.outputs;
+  return <SignalPicker id="outputs" label="compared by" all={all} chosen={outputsOf(studio, run)} onChoose={(paths) => studio.address.write({ output: paths })} />;
+}
+
 /** Make the reduced model of what is chosen, and go where it is compared. */
 function Build({ studio, run, state }: { studio: Studio; run: Job; state: RankingState }) {
   const fault = useSignal<unknown>(null);
@@ -106,7 +120,7 @@ function Build({ studio, run, state }: { studio: Studio; run: Job; state: Rankin
         to: window === null ? null : state.times[window[1]],
         keep: locked("keep"),
         go: locked("go"),
-        outputs: [...run.outputs],
+        outputs: outputsOf(studio, run),
       });
       studio.jobs.take(job);
       studio.go("compare", { reduction: job.id });

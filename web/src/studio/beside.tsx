@@ -96,7 +96,7 @@ function Graphs({ studio, names, pictures }: { studio: Studio; names: readonly [
       {([0, 1] as const).map((side) => (
         <div key={side} class="graph-box">
           <h3>{names[side]}</h3>
-          <GraphView choices={choices[side]} picture={shown[side]} placer={studio.placer} theme={studio.themes.theme} label={`Graph, ${names[side]}`} />
+          <GraphView choices={choices[side]} picture={shown[side]} placer={studio.placer} theme={studio.themes.theme} label={`Graph, ${names[side]}`} fits />
         </div>
       ))}
     </section>

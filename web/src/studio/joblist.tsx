@@ -11,9 +11,11 @@ interface JobTableProps {
   readonly studio: Studio;
   readonly jobs: readonly Job[];
   readonly empty: string;
+  /** All are of one model, which need not be named. */
+  readonly isOneModel?: boolean;
 }
 
-export function JobTable({ studio, jobs, empty }: JobTableProps) {
+export function JobTable({ studio, jobs, empty, isOneModel }: JobTableProps) {
   const fault = useSignal("");
   if (jobs.length === 0) return <p class="hint">{empty}</p>;
   const tell = (error: unknown): void => void (fault.value = error instanceof Error ? error.message : String(error));
@@ -26,7 +28,7 @@ export function JobTable({ studio, jobs, empty }: JobTableProps) {
       <table class="jobs">
         <thead>
           <tr>
-            <th>model</th>
+            {isOneModel !== true && <th>model</th>}
             <th>scenario</th>
             <th>what</th>
             <th>state</th>
@@ -41,12 +43,12 @@ export function JobTable({ studio, jobs, empty }: JobTableProps) {
         <tbody>
           {jobs.map((job) => (
             <tr key={job.id} data-job={job.id} data-state={job.state}>
-              <td>{job.name}</td>
+              {isOneModel !== true && <td>{job.name}</td>}
               <td>{job.scenario}</td>
               <td>{job.kind}</td>
               <td><StateMark job={job} /></td>
               <td class="number">{job.progress === null ? "–" : `${Number(job.progress.time.toPrecision(5))} s`}</td>
-              <td class="number">{job.progress === null ? "–" : Number(job.progress.rate.toPrecision(3))}</td>
+              <td class="number">{speedOf(job)}</td>
               <td>{job.spark !== null && <Spark values={job.spark} />}</td>
               <td class="when">{made(job)}</td>
               <td class="links"><Links studio={studio} job={job} /></td>
@@ -63,6 +65,13 @@ export function JobTable({ studio, jobs, empty }: JobTableProps) {
       </table>
     </>
   );
+}
+
+/** How many times as fast as the reality: of the whole run when it is over, of the last moments before. */
+function speedOf(job: Job): string {
+  const whole = job.summary.find((fact) => fact.name === "speed");
+  if (whole !== undefined) return whole.value.replace(" x real time", "");
+  return job.progress === null ? "–" : String(Number(job.progress.rate.toPrecision(3)));
 }
 
 /** Where a job leads; `isHere` where it is shown already. */

@@ -121,7 +121,7 @@ function Runs({ studio, runs }: { studio: Studio; runs: readonly Job[] }) {
             <svg class="pen" width="26" height="8" aria-hidden="true">
               {pen >= 0 && <line x1="1" x2="25" y1="4" y2="4" stroke="currentColor" stroke-dasharray={(PENS[pen % PENS.length] ?? []).join(" ")} />}
             </svg>
-            <span class="label" title={`${job.name}, ${job.scenario}, ${job.state}`}>{pen >= 0 ? `${pen + 1}. ` : ""}{job.name}, {job.scenario}</span>
+            <span class="label" title={`${job.name}, ${job.scenario}, ${job.state}`}>{pen >= 0 ? `${pen + 1}. ` : ""}{job.model === runs[0]?.model ? "" : `${job.name}, `}{job.scenario}</span>
             <span class="note">{made(job)}</span>
           </label>
         );

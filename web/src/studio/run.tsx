@@ -12,6 +12,7 @@ import { FaultView } from "./fault.tsx";
 import { RunForm } from "./form.tsx";
 import { JobTable, Links, StateMark } from "./joblist.tsx";
 import { hasData, isOver } from "./jobs.ts";
+import { SignalPicker } from "./picker.tsx";
 import { useResource } from "./resource.ts";
 import { laneGroups } from "./signals.ts";
 import type { Studio } from "./studio.ts";
@@ -49,7 +50,7 @@ export function RunScreen({ studio, sheet }: { studio: Studio; sheet: ModelSheet
         {job === null ? <p class="hint">Choose a scenario and run it; what happens is drawn here.</p> : <Course key={job.id} studio={studio} sheet={sheet} job={job} />}
         <section aria-labelledby="queue">
           <h2 id="queue">Runs of {sheet.name}</h2>
-          <JobTable studio={studio} jobs={mine} empty="This model has not been run." />
+          <JobTable studio={studio} jobs={mine} empty="This model has not been run." isOneModel />
         </section>
       </div>
     </div>
@@ -74,10 +75,10 @@ function Course({ studio, sheet, job }: { studio: Studio; sheet: ModelSheet; job
       {progress !== null && (
         <dl class="figures">
           <div><dt>time</dt><dd data-time={progress.time}>{Number(progress.time.toPrecision(5))} of {Number(progress.end.toPrecision(5))} s</dd></div>
-          <div><dt>x real time</dt><dd>{Number(progress.rate.toPrecision(3))}</dd></div>
+          {job.summary.length === 0 && <div><dt>x real time</dt><dd>{Number(progress.rate.toPrecision(3))}</dd></div>}
           <div><dt>steps</dt><dd>{progress.steps.toLocaleString("en")}</dd></div>
           <div><dt>rejected</dt><dd>{progress.rejected.toLocaleString("en")}</dd></div>
-          <div><dt>left</dt><dd>{isOver(job.state) ? "–" : duration(progress.left)}</dd></div>
+          {!isOver(job.state) && <div><dt>left</dt><dd>{duration(progress.left)}</dd></div>}
           {job.summary.filter((fact) => fact.name !== "steps").map((fact) => <div key={fact.name} title={fact.note}><dt>{fact.name}</dt><dd>{fact.value}</dd></div>)}
         </dl>
       )}
@@ -110,7 +111,7 @@ function Failure({ studio, sheet, job }: { studio: Studio; sheet: ModelSheet; jo
       </div>
       {job.elements.length > 0 && (
         <div class="failure-graph">
-          <GraphView choices={choices} picture={picture} placer={studio.placer} theme={studio.themes.theme} marked={marked} label="Where it failed" />
+          <GraphView choices={choices} picture={picture} placer={studio.placer} theme={studio.themes.theme} marked={marked} label="Where it failed" fits />
         </div>
       )}
     </>
@@ -122,7 +123,7 @@ const PAUSE = 700; // ms between two looks at a run that goes on
 /** Signals of a run, drawn while it goes. */
 function Live({ studio, job }: { studio: Studio; job: Job }) {
   const { address, source } = studio;
-  const signals = useResource(job.id, () => get<SignalEntry[]>(`/runs/${job.id}/signals`));
+  const signals = useResource(`${job.id} ${isOver(job.state)}`, () => get<SignalEntry[]>(`/runs/${job.id}/signals`));
   const zoom = useMemo(ownZoom, [job.id]);
   const version = useSignal(0);
   const last = useRef(0);
@@ -149,19 +150,7 @@ function Live({ studio, job }: { studio: Studio; job: Job }) {
   return (
     <>
       <div class="tools">
-        <label for="live">Signals drawn</label>
-        <select
-          id="live"
-          value=""
-          onChange={(event) => {
-            const path = event.currentTarget.value;
-            if (path !== "") address.write({ signal: chosen.includes(path) ? chosen.filter((one) => one !== path) : [...chosen, path] });
-            event.currentTarget.value = "";
-          }}
-        >
-          <option value="">add or take away …</option>
-          {[...known.keys()].map((path) => <option key={path} value={path}>{chosen.includes(path) ? `✓ ${path}` : path}</option>)}
-        </select>
+        <SignalPicker id="live" label="Signals drawn" all={[...known.keys()]} chosen={chosen} onChoose={(paths) => address.write({ signal: paths })} />
         <a href={studio.link("plots", { model: job.model, run: job.id, signal: chosen })}>all plots</a>
       </div>
       <LanesView source={source} groups={groups} runs={runs} whole={job.window} zoom={zoom} theme={studio.themes.theme} name={`${job.name}, ${job.scenario}`} height={104} version={version} />

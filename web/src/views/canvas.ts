@@ -13,7 +13,10 @@ export function sized(svg: SVGSVGElement, scale: number): void {
   svg.classList.toggle("far", scale * LETTERS < LEGIBLE);
 }
 
-/** Make the things of a drawing reachable: one of them by the tabulator, the others from it by arrow keys. */
+/**
+ * Make the things of a drawing reachable: one of them by the tabulator, the others from it by arrow keys. What they are called
+ * says their title.
+ */
 export function reachable(svg: SVGSVGElement, name: string, first: string | null): void {
   svg.setAttribute("role", "group");
   svg.setAttribute("aria-label", `Bond graph of ${name}; arrow keys move, Enter selects or opens`);
@@ -22,7 +25,6 @@ export function reachable(svg: SVGSVGElement, name: string, first: string | null
   for (const thing of things) {
     thing.setAttribute("tabindex", thing === start ? "0" : "-1");
     thing.setAttribute("role", "button");
-    thing.setAttribute("aria-label", thing.querySelector("title")?.textContent ?? "");
     if (thing.matches(".closed")) thing.setAttribute("aria-expanded", "false");
     if (thing.matches(".group")) thing.setAttribute("aria-expanded", "true");
   }

@@ -29,16 +29,18 @@ interface GraphProps {
   readonly label?: string;
   /** The page around the drawing has no height of its own, but grows with it. */
   readonly grows?: boolean;
+  /** The whole drawing is shown at first, even where its letters are small then. */
+  readonly fits?: boolean;
   readonly children?: ComponentChildren; // more tools
 }
 
-export function GraphView({ choices, picture, placer, theme, below, marked, label, grows, children }: GraphProps) {
+export function GraphView({ choices, picture, placer, theme, below, marked, label, grows, fits, children }: GraphProps) {
   const page = useRef<HTMLDivElement>(null);
   const layouts = useRef(new Map<string, Promise<Layout>>());
   const turn = useRef(0);
   const isFirst = useRef(true);
   /** px for a unit of the drawing; null chooses the usual one. */
-  const scale = useSignal<number | "fit" | null>(null);
+  const scale = useSignal<number | "fit" | null>(fits === true ? "fit" : null);
 
   const svgNow = (): SVGSVGElement | null => page.current?.querySelector("svg") ?? null;
   const resize = (): void => {

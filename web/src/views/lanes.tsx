@@ -70,6 +70,7 @@ export function LanesView({ source, groups, runs, difference, whole, zoom, theme
   const exact = useSignal<ReadonlyMap<string, number> | null>(null);
   const [series, setSeries] = useState<ReadonlyMap<string, Series>>(new Map());
   const [fault, setFault] = useState("");
+  const isReading = useSignal(false);
   const key = useMemo(() => `lanes-${(made += 1)}`, []);
   const wholeNow = useSignal(whole);
   wholeNow.value = whole;
@@ -82,6 +83,7 @@ export function LanesView({ source, groups, runs, difference, whole, zoom, theme
   const load = async (): Promise<void> => {
     const mine = (turn.current += 1);
     const count = Math.max(200, Math.round((box.current?.clientWidth ?? 1000) - 300));
+    isReading.value = true;
     try {
       const found = await Promise.all(
         wanted.map(async (run) => [run, paths.length === 0 ? EMPTY : await source.series(run, paths, span.peek(), count)] as const),
@@ -91,6 +93,8 @@ export function LanesView({ source, groups, runs, difference, whole, zoom, theme
       setFault("");
     } catch (error) {
       if (mine === turn.current) setFault(error instanceof Error ? error.message : String(error));
+    } finally {
+      if (mine === turn.current) isReading.value = false;
     }
   };
   useEffect(() => void load(), [source, paths.join(" "), wanted.join(" ")]);
@@ -126,7 +130,7 @@ export function LanesView({ source, groups, runs, difference, whole, zoom, theme
   return (
     <div class="lanes" ref={box}>
       <div class="tools" role="toolbar" aria-label={name}>
-        <output class="time" aria-label="Time at the cursor">{time.value === "" ? "–" : time}</output>
+        <output class="time" aria-label="Time at the cursor">{series.size === 0 && isReading.value ? "reading …" : time.value === "" ? "–" : time}</output>
         <button type="button" disabled={zoom.span.value === null} onClick={() => zoom.set(null)}>whole run</button>
         <span class="hint">drag to zoom all lanes, double click to see everything</span>
         <span class="gap" />
@@ -135,7 +139,7 @@ export function LanesView({ source, groups, runs, difference, whole, zoom, theme
         <button type="button" onClick={() => savePlots("png")}>PNG</button>
       </div>
       {fault !== "" && <p class="fault" role="alert">{fault}</p>}
-      <div class="strip" tabIndex={0} role="group" aria-label={`${name}: arrow keys move the cursor, + and - zoom, Home shows everything`} onKeyDown={typed}>
+      <div class="strip" aria-busy={isReading.value} tabIndex={0} role="group" aria-label={`${name}: arrow keys move the cursor, + and - zoom, Home shows everything`} onKeyDown={typed}>
         {lanes.map((lane, i) => (
           <LanePlot
             key={lane.key}

@@ -1,13 +1,13 @@
 /** The ranking: bars with the cumulative line, the threshold as slider and as line, and the table of decisions. */
 
-import { useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { activityColour, LEAST, level } from "../graph/notation.ts";
 import { keptBy } from "./data.ts";
 import { instant, percent, significant } from "./format.ts";
+import { PathText } from "./path.tsx";
 import { csvOf, saveCsv } from "./saving.ts";
 import type { Lock, RankingState } from "./state.ts";
 
-const WIDTH = 900;
 const HEIGHT = 230;
 const LEFT = 46;
 const RIGHT = 46;
@@ -28,7 +28,7 @@ export function RankingView({ state, canLock }: RankingProps) {
   const share = rows.reduce((sum, row) => sum + (staying.has(row.path) ? row.index : 0), 0);
   return (
     <div class="ranking">
-      <div class="tools">
+      <div class="tools threshold">
         <label for="threshold">threshold</label>
         <input
           id="threshold"
@@ -94,9 +94,10 @@ function step(event: KeyboardEvent, state: RankingState): void {
 
 function Bars({ state }: { state: RankingState }) {
   const svg = useRef<SVGSVGElement>(null);
+  const width = useWidth(svg);
   const rows = state.rows.value;
   const staying = state.staying.value;
-  const wide = (WIDTH - LEFT - RIGHT) / Math.max(1, rows.length);
+  const wide = (width - LEFT - RIGHT) / Math.max(1, rows.length);
   const high = HEIGHT - TOP - BOTTOM;
   const y = (part: number): number => TOP + high * (1 - part);
   const line = rows.map((row, i) => `${i === 0 ? "M" : "L"}${LEFT + wide * (i + 0.5)} ${y(row.cumulative)}`).join("");
@@ -109,15 +110,15 @@ function Bars({ state }: { state: RankingState }) {
   };
   const decades = Array.from({ length: Math.round(-Math.log10(LEAST)) + 1 }, (_, i) => 10 ** -i);
   return (
-    <svg ref={svg} class="bars" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label="Activity indices and their sum">
+    <svg ref={svg} class="bars" viewBox={`0 0 ${width} ${HEIGHT}`} role="img" aria-label="Activity indices and their sum">
       {decades.map((share) => (
         <g key={share} class="axis">
-          <line x1={LEFT} x2={WIDTH - RIGHT} y1={y(level(share))} y2={y(level(share))} />
+          <line x1={LEFT} x2={width - RIGHT} y1={y(level(share))} y2={y(level(share))} />
           <text x={LEFT - 6} y={y(level(share)) + 4} text-anchor="end">{percent(share, 0, 3)}</text>
         </g>
       ))}
       {[0, 0.25, 0.5, 0.75, 1].map((part) => (
-        <text key={part} class="axis" x={WIDTH - RIGHT + 6} y={y(part) + 4}>{percent(part, 0)}</text>
+        <text key={part} class="axis" x={width - RIGHT + 6} y={y(part) + 4}>{percent(part, 0)}</text>
       ))}
       {rows.map((row, i) => {
         const chosen = state.graph.selected.value === row.path;
@@ -139,12 +140,24 @@ function Bars({ state }: { state: RankingState }) {
       })}
       <path class="sum" d={line} />
       <g class="threshold" onPointerDown={(event) => (event.currentTarget as Element).setPointerCapture(event.pointerId)} onPointerMove={drag}>
-        <line class="grip" x1={LEFT} x2={WIDTH - RIGHT} y1={at} y2={at} />
-        <line x1={LEFT} x2={WIDTH - RIGHT} y1={at} y2={at} />
+        <line class="grip" x1={LEFT} x2={width - RIGHT} y1={at} y2={at} />
+        <line x1={LEFT} x2={width - RIGHT} y1={at} y2={at} />
       </g>
       <text class="axis" x={LEFT} y={HEIGHT - 6}>activity index (bars, left) and sum (line, right) of {rows.length} elements</text>
     </svg>
   );
+}
+
+/** The width of a drawing on the page, px, so that its letters have their size. */
+function useWidth(svg: { readonly current: SVGSVGElement | null }): number {
+  const [width, setWidth] = useState(900);
+  useEffect(() => {
+    if (svg.current === null) return;
+    const watched = new ResizeObserver(([entry]) => entry !== undefined && setWidth(Math.max(300, Math.round(entry.contentRect.width))));
+    watched.observe(svg.current);
+    return () => watched.disconnect();
+  }, []);
+  return width;
 }
 
 function Table({ state, canLock }: { state: RankingState; canLock: boolean }) {
@@ -163,7 +176,7 @@ function Table({ state, canLock }: { state: RankingState; canLock: boolean }) {
               <th class="number">activity</th>
               <th class="number">index</th>
               <th class="number">sum</th>
-              <th>threshold</th>
+              <th>stays</th>
               {canLock && <th>lock</th>}
               {isReduced && <th>decision</th>}
               {isReduced && <th>because</th>}
@@ -179,8 +192,8 @@ function Table({ state, canLock }: { state: RankingState; canLock: boolean }) {
                 onClick={() => state.graph.show(row.path)}
               >
                 <td class="number">{i + 1}</td>
-                <td>
-                  <button type="button" class="plain" onClick={() => state.graph.show(row.path)}>{row.path}</button>
+                <td class="path">
+                  <button type="button" class="plain" onClick={() => state.graph.show(row.path)}><PathText path={row.path} /></button>
                 </td>
                 <td>{row.kind}</td>
                 <td class="number" data-value={row.activity}>{significant(row.activity, "J")}</td>
