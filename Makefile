@@ -6,6 +6,7 @@
 #   make test-browser  the front end: types, tests, its committed build, pages in a browser (needs Node, Chromium)
 #   make docs    the documentation, in docs/_build/html
 #   make bench   the measurements of docs/performance.md, which takes about an hour
+#   make bench-browser  how long the pages take
 #   make setup   only the virtual environment
 #   make clean   remove everything that can be made again
 
@@ -21,10 +22,10 @@ STAMP := $(VENV)/installed
 SOURCES := src tests $(wildcard benchmarks examples) $(wildcard docs/*.py) docs/notebooks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup check test test-browser docs demo bench clean
+.PHONY: help setup check test test-browser docs demo bench bench-browser clean
 
 help:
-	@echo "targets: setup check test test-browser docs demo bench clean"
+	@echo "targets: setup check test test-browser docs demo bench bench-browser clean"
 
 setup: $(STAMP)
 
@@ -51,7 +52,15 @@ test-browser: $(STAMP)
 	cd web && npm ci --no-audit --no-fund && npm run check && npm run test && npm run build
 	git diff --exit-code --stat -- src/propermodel/drawing/assets src/propermodel/report/assets src/propermodel/studio/assets
 	$(BIN)/python -m tests.browser.pages
+	$(BIN)/python -m tests.browser.studio
 	cd web && npm run browser
+
+# What the pages take of a reader's time: figures, which depend on the machine.
+bench-browser: $(STAMP)
+	cd web && npm ci --no-audit --no-fund
+	$(BIN)/python -m tests.browser.pages
+	$(BIN)/python -m tests.browser.studio
+	cd web && npm run bench
 
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
