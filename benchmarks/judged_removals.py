@@ -17,7 +17,7 @@ from propermodel.reduction.prediction import Replacement
 from propermodel.reduction.results_file import key_of
 from propermodel.simulation.trajectory import Trajectory
 
-THRESHOLDS = (0.9, 0.95, 0.97, 0.98, 0.985, 0.99, 0.995, 0.998, 0.999, 0.9995, 0.9999)
+THRESHOLDS = (0.95, 0.97, 0.98, 0.99, 0.995, 0.998, 0.999, 0.9995, 0.9999)
 ROWS = 2000  # recorded of every run
 
 Tolerances = Mapping[str, float]  # root mean squares, as shares of the ranges of outputs

@@ -1,9 +1,9 @@
 """`python -m benchmarks.truck_search`: searches for smaller trucks beside MORA and backward elimination, on a window.
 
-Three sets of tolerances share the results of their runs. The smallest models are run again at half the step and on a
-second mission: what comes after the window, on a road of other waves. Backward elimination takes hundreds of runs, so
-it is done on demand. Linear algebra of many small matrices is quickest in one thread, above all on a busy machine
-(`OPENBLAS_NUM_THREADS=1`).
+Three sets of tolerances share the results of their runs where a file is given for them. The smallest models are run
+again at half the step and on a second mission: what comes after the window, on a road of other waves. Backward
+elimination takes hundreds of runs, so it is done on demand. Linear algebra of many small matrices is quickest in one
+thread, above all on a busy machine (`OPENBLAS_NUM_THREADS=1`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -38,63 +37,84 @@ STEP = 2e-4
 
 
 def main() -> None:
-    """Measure, print, and write JSON."""
+    """Measure, print, and write JSON after every step."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--window", type=float, default=200.0, help="simulated seconds (default: 200)")
     options.add_argument("--sets", nargs="+", choices=list(TOLERANCES), default=list(TOLERANCES))
     options.add_argument("--both", action="store_true", help="let the second mission take part in the search")
     options.add_argument("--backward", action="store_true", help="also backward elimination by measured error")
+    options.add_argument("--results", type=FilePath, help="keep runs of candidates in this file, and use what it holds")
     options.add_argument("--out", type=FilePath, default=FilePath("out/truck_search.json"))
     given = options.parse_args()
     first = missions.mission("fmtv_mixed", until=given.window)
     second = second_mission(first)
     model = pm.elaborate(HybridTruck())
+    report = _Report(given.out, {"window_s": given.window, "with_both": given.both, "conditions": conditions()})
+    found = {
+        name: _searched(model, (first, second) if given.both else (first,), name, given.results, report)
+        for name in given.sets
+    }
     judge = Judge(model, first, STEP, OUTPUTS)
     half = Judge(model, first, STEP / 2.0, OUTPUTS)
     elsewhere = Judge(model, second, STEP, OUTPUTS)
-    report: dict[str, Json] = {"window_s": given.window, "with_both": given.both, "conditions": conditions()}
-    with TemporaryDirectory() as folder:
-        for name in given.sets:
-            tolerances = TOLERANCES[name]
-            begin, work = time.perf_counter(), time.process_time()
-            found = pm.find_proper_model(
-                model,
-                (first, second) if given.both else first,
-                tolerances,
-                step=STEP,
-                results=FilePath(folder) / "results.jsonl",
+    for name, search in found.items():
+        for kind, candidate in (("smallest", search.best), ("recommended", search.recommended)):
+            if candidate is not None:
+                scores = {
+                    "at_half_the_step": half.score(candidate.removals, TOLERANCES[name]),
+                    "on_the_second_mission": elsewhere.score(candidate.removals, TOLERANCES[name]),
+                }
+                report.add(name, {f"{kind}_{key}": value for key, value in scores.items()})
+    for name in found:
+        report.add(name, {"mora_rows": judge.smallest_by_activity(TOLERANCES[name])})
+    for name in found if given.backward else ():
+        before, begin = judge.simulations, time.perf_counter()
+        rows = judge.backward(TOLERANCES[name])
+        runs, wall_s = judge.simulations - before, time.perf_counter() - begin
+        report.add(name, {"backward_rows": rows, "backward_simulations": runs, "backward_s": wall_s})
+
+
+def _searched(
+    model: pm.Model, scenarios: tuple[Scenario, ...], name: str, results: FilePath | None, report: _Report
+) -> pm.ProperModelSearch:
+    begin, work = time.perf_counter(), time.process_time()
+    found = pm.find_proper_model(model, scenarios, TOLERANCES[name], step=STEP, results=results)
+    report.add(
+        name,
+        {
+            "simulations": found.simulations,
+            "models_tried": len(found.candidates),
+            "wall_s": time.perf_counter() - begin,
+            "processor_s": time.process_time() - work,
+        },
+    )
+    for kind, candidate in (("smallest", found.best), ("recommended", found.recommended)):
+        if candidate is not None:
+            report.add(
+                name,
+                {
+                    f"{kind}_rows": found.rows - len(candidate.rows),
+                    f"{kind}_states": candidate.states,
+                    f"{kind}_error_over_tolerance": candidate.score,
+                    f"{kind}_removals": key_of(candidate.removals),
+                },
             )
-            measured: dict[str, Json] = {
-                "simulations": found.simulations,
-                "wall_s": time.perf_counter() - begin,
-                "processor_s": time.process_time() - work,
-                "models": {},
-            }
-            for kind, candidate in (("smallest", found.best), ("recommended", found.recommended)):
-                if candidate is not None:
-                    measured["models"][kind] = {
-                        "rows": found.rows - len(candidate.rows),
-                        "states": candidate.states,
-                        "error_over_tolerance": candidate.score,
-                        "at_half_the_step": half.score(candidate.removals, tolerances),
-                        "on_the_second_mission": elsewhere.score(candidate.removals, tolerances),
-                        "removals": key_of(candidate.removals),
-                    }
-            measured["mora_rows"] = judge.smallest_by_activity(tolerances)
-            _tell(name, measured)
-            report[name] = measured
-        for name in given.sets if given.backward else ():
-            before, begin = judge.simulations, time.perf_counter()
-            report[name]["backward_rows"] = judge.backward(TOLERANCES[name])
-            report[name]["backward_simulations"] = judge.simulations - before
-            report[name]["backward_s"] = time.perf_counter() - begin
-            _tell(name, report[name])
-    given.out.parent.mkdir(parents=True, exist_ok=True)
-    given.out.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    return found
 
 
-def _tell(name: str, measured: Json) -> None:
-    print(name, json.dumps(measured, indent=2), flush=True)
+class _Report:
+    """What has been measured so far, told and written at once."""
+
+    def __init__(self, file: FilePath, head: Mapping[str, Json]) -> None:
+        self._file = file
+        self._data: dict[str, Json] = {**head, "sets": {}}
+
+    def add(self, name: str, measured: Mapping[str, Json]) -> None:
+        """Add what was measured with one set of tolerances."""
+        self._data["sets"].setdefault(name, {}).update(measured)
+        print(name, json.dumps(measured), flush=True)
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        self._file.write_text(json.dumps(self._data, indent=2) + "\n", encoding="utf-8")
 
 
 def second_mission(first: Scenario) -> Scenario:
