@@ -1,6 +1,7 @@
 """The commands, as a user types them."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -562,6 +563,15 @@ def test_the_command_runs_as_a_process_without_progress_in_a_pipe():
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert "completed to 1 s" in done.stdout
+
+
+def test_linear_algebra_of_the_command_stays_in_one_thread_unless_more_are_asked_for():
+    told = "import os, propermodel.cli.app as a; a.app = lambda: print(os.environ['OPENBLAS_NUM_THREADS'])"
+    command = [sys.executable, "-c", f"{told}; from propermodel.cli import main; main()"]
+    unset = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    for given, expected in ((unset, "1"), ({**unset, "OPENBLAS_NUM_THREADS": "2"}, "2")):
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=given)
+        assert done.stdout.strip() == expected
 
 
 # -- cache ----------------------------------------------------------------------------------------------
