@@ -281,10 +281,16 @@ def test_another_server_finds_the_jobs_of_the_first(folder: Path, tmp_path: Path
     state.write_text(json.dumps({**document, "state": "running"}), encoding="utf-8")  # now as if it had been killed
     (root / "propermodel-runs" / "7").mkdir()
     (root / "propermodel-runs" / "7" / "job.json").write_text("{broken", encoding="utf-8")
+    # A folder of a stranger, whose files would lead elsewhere, is left alone.
+    (root / "propermodel-runs" / "8").mkdir()
+    (root / "propermodel-runs" / "8" / "job.json").write_text(json.dumps({**document, "state": "running"}))
+    (root / "propermodel-runs" / "8" / "job.json.part").symlink_to(tmp_path / "mine.txt")
+    (tmp_path / "mine.txt").write_text("mine", encoding="utf-8")
     with Running(root, tmp_path / "trust.json") as client:
         (job,) = client.get("/api/jobs").json
         assert (job["id"], job["state"]) == (number, "lost")
         assert client.get(f"/api/runs/{number}/signals").status == 200
+    assert (tmp_path / "mine.txt").read_text(encoding="utf-8") == "mine"
 
 
 def test_many_requests_at_once(studio: Client, done: dict[str, Any]):

@@ -9,8 +9,11 @@ import pytest
 from propermodel.catalogue.finding import load_subject
 from propermodel.compiler import compile_model
 from propermodel.drawing.depict import depict
+from propermodel.modelling.limits import LIMITS
+from propermodel.studio.faults import StudioError
 from propermodel.studio.folder import Folder, Trust
 from propermodel.studio.listing import Listing
+from propermodel.studio.server import listening
 from tests.studio.client import Client, Running
 
 
@@ -148,3 +151,39 @@ def test_no_name_leads_out_of_the_folder(studio: Client, text: str, status: int,
     assert (answer.status, answer.code) == (status, code)
     order = studio.post("/api/runs", {"model": text or "gone.py"})
     assert order.status in (status, 400, 404)
+
+
+def test_broken_and_oversized_documents_are_refused(studio: Client, folder: Path):
+    whole = (folder / "inner" / "car.json").read_text(encoding="utf-8")
+    broken = {
+        "cut.json": whole[: len(whole) // 2].encode(),
+        "deep.json": whole[:60].encode() + b"[" * 100_000,
+    }
+    for name, content in broken.items():
+        (folder / "inner" / name).write_bytes(content)
+    with (folder / "inner" / "large.json").open("wb") as stream:
+        stream.write(whole[:200].encode())
+        stream.truncate(LIMITS.file_bytes + 1)
+    assert "inner/large.json" in [entry["id"] for entry in studio.get("/api/start").json["models"]]
+    statuses = {name: studio.get(f"/api/model?id=inner/{name}") for name in (*broken, "large.json")}
+    assert {name: answer.status for name, answer in statuses.items()} == {
+        **dict.fromkeys(broken, 422),
+        "deep.json": 413,
+        "large.json": 413,
+    }
+    for name, answer in statuses.items():
+        error = answer.json["error"]
+        assert error["code"].startswith("document/")
+        assert error["place"] == f"inner/{name}"
+        assert error["help"]
+    for name in statuses:
+        (folder / "inner" / name).unlink()
+    assert studio.get("/api/start").status == 200
+
+
+def test_a_folder_of_runs_that_leads_elsewhere_is_refused(tmp_path: Path):
+    (tmp_path / "served").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "served" / "propermodel-runs").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(StudioError, match="is no folder of its own"), listening(tmp_path / "served"):
+        pass

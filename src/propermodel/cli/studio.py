@@ -36,12 +36,14 @@ def studio(
     folder, model = _served(what)
 
     with listening(folder, port=port) as server:
-        address = server.door.address + (f"#/model?model={quote(model, safe='')}" if model else "")
-        typer.echo(f"propermodel studio of {folder}, for this machine alone; Ctrl-C ends it\n{address}")
+        view = f"#/model?model={quote(model, safe='')}" if model else ""
+        typer.echo(
+            f"propermodel studio of {folder}, for this machine alone; Ctrl-C ends it\n{server.door.address}{view}"
+        )
         if browser:
             import webbrowser
 
-            webbrowser.open(address)
+            webbrowser.open(server.door.address_for_once() + view)
         server.answer()
 
 

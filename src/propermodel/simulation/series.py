@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import accumulate
@@ -122,7 +123,7 @@ class FileSeries:
 
     def _holder(self, row: int) -> int:
         """The member that holds a row."""
-        return int(np.searchsorted(self._starts, row, "right")) - 1
+        return bisect_right(self._starts, row) - 1
 
     def pieces(self) -> Iterator[tuple[FloatArray, FloatArray]]:
         """Times and rows, some at a time."""

@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -51,12 +52,13 @@ class Studio:
 
     async def start(self, _: Request) -> Response:
         """What the first page shows."""
+        entries = await run_in_threadpool(self.listing.entries)
         return JSONResponse(
             {
                 "version": propermodel.__version__,
                 "folder": str(self.folder.root),
                 "trusted": self.trust.covers(self.folder),
-                "models": [asdict(entry) for entry in self.listing.entries()],
+                "models": [asdict(entry) for entry in entries],
                 "jobs": [job.data() for job in self.queue.jobs],
             }
         )

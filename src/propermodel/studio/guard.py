@@ -47,6 +47,7 @@ class Door:
 
     port: int
     token: str = field(default_factory=new_token, repr=False)
+    _once: set[str] = field(default_factory=set[str], repr=False)
 
     @property
     def hosts(self) -> frozenset[str]:
@@ -63,9 +64,27 @@ class Door:
         """The address with the token, for who starts the server."""
         return f"http://127.0.0.1:{self.port}/?token={self.token}"
 
+    def address_for_once(self) -> str:
+        """An address that lets in one browser, for who shows it to others: all users of a machine see command lines."""
+        token = new_token()
+        self._once.add(token)
+        return f"http://127.0.0.1:{self.port}/?token={token}"
+
     def is_token(self, text: str) -> bool:
         """Whether this is the token; how long it takes tells nothing."""
-        return secrets.compare_digest(text.encode("utf-8", "replace"), self.token.encode())
+        return _is_same(text, self.token)
+
+    def opens(self, text: str) -> bool:
+        """Whether this token of an address lets a browser in; one that is for once does so no more."""
+        for token in list(self._once):
+            if _is_same(text, token):
+                self._once.discard(token)
+                return True
+        return self.is_token(text)
+
+
+def _is_same(one: str, other: str) -> bool:
+    return secrets.compare_digest(one.encode("utf-8", "replace"), other.encode())
 
 
 class Guard:
@@ -114,7 +133,7 @@ class Guard:
                     help="use the studio's own page, in a window of its own",
                 )
         token = QueryParams(scope["query_string"]).get("token")
-        if scope["path"] == "/" and token is not None and self._door.is_token(token):
+        if scope["path"] == "/" and token is not None and self._door.opens(token):
             return self._welcome()
         if not self._is_known(headers):
             return PlainTextResponse(f"{unknown()}\n", status_code=401)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
@@ -32,7 +33,8 @@ class JobRoutes:
         order = await ordered(request, RUN_ORDER)
         model = self._folder.model(order.model)
         self._trust.check(self._folder, model, self._folder.scenario(order.scenario))
-        entry = next((entry for entry in self._listing.entries() if entry.id == model.text), None)
+        entries = await run_in_threadpool(self._listing.entries)
+        entry = next((entry for entry in entries if entry.id == model.text), None)
         return JSONResponse(self._queue.add_run(order, model.text if entry is None else entry.name).data(), 201)
 
     async def order_reduction(self, request: Request) -> Response:

@@ -24,8 +24,9 @@ from propermodel.studio.faults import StudioError
 Json = Any
 
 MOST_BYTES = 400 * 2**20  # of columns of all runs
-MOST_ROWS = 300_000  # of a column that is kept; of longer ones overviews are read, of less than a tenth of the rows
-_POINTS = 8  # of an overview for each interval, so that few of its groups lie in two intervals
+MOST_ROWS = 300_000  # of a column that is kept; of longer ones what is asked for is read
+_ROWS_EACH = 32  # in an interval of a column that is not kept, from which on its overview is read instead
+_POINTS = 2  # of an overview for each interval: a group that lies in two intervals counts in the first
 _POWER = "power"
 
 
@@ -93,7 +94,7 @@ class RecordedRun:
         edges = np.linspace(start, stop, count + 1)
         times = np.column_stack([edges[:-1], 0.5 * (edges[:-1] + edges[1:])]).ravel()
         first, last = self._window(start, stop)
-        if last - first > MOST_ROWS:
+        if len(self.rows.signals) > MOST_ROWS and last - first > _ROWS_EACH * count:
             return times, [self._from_overview(path, edges, first, last) for path in paths]
         intervals = Intervals(self._column(-1, first, last), edges)
         return times, [intervals.extremes(self._values(path, first, last)) for path in paths]
@@ -175,7 +176,8 @@ class RecordedRun:
         series = self.rows.signals
         begin, end = series.times(first, first + 1).item(), series.times(last - 1, last).item()
         seen = make_overview(series, column, series.width, begin, end, _POINTS * (len(edges) - 1))
-        return Intervals(seen.time, edges).extremes(seen.least, seen.greatest)
+        # The first group begins with the row before the window, and counts in it.
+        return Intervals(np.maximum(seen.time, edges[0]), edges).extremes(seen.least, seen.greatest)
 
     def _sizes(self) -> FloatArray:
         """The greatest magnitude of every column, from a few rows of it where it is long."""

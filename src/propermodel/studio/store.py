@@ -97,7 +97,7 @@ class JobStore:
         if not self._folder.is_dir():
             return
         for path in self._folder.iterdir():
-            if not _ID.fullmatch(path.name) or path.is_symlink() or not (path / STATE_FILE).is_file():
+            if not _ID.fullmatch(path.name) or not (path / STATE_FILE).is_file() or _leads_out(path):
                 continue
             try:
                 data = parse_json(read_bytes(path / STATE_FILE, LIMITS.file_bytes, "file_bytes"), LIMITS)
@@ -119,7 +119,10 @@ class JobStore:
     def _take(self) -> None:
         if self._lock is not None:
             return
-        stream = (self._folder / ".lock").open("ab")
+        file = self._folder / ".lock"
+        if file.is_symlink():
+            raise StudioError.with_status(503, "studio/folder", f"'{RUNS}/.lock' is a link", help="delete it")
+        stream = file.open("ab")
         try:
             _lock(stream)
         except OSError:
@@ -131,6 +134,11 @@ class JobStore:
                 help="use its page, or end it first",
             ) from None
         self._lock = stream
+
+
+def _leads_out(folder: FilePath) -> bool:
+    """Whether a folder is a link or holds one, which no studio makes: somebody else may want it followed."""
+    return folder.is_symlink() or any(path.is_symlink() for path in folder.iterdir())
 
 
 def _lock(stream: BinaryIO) -> None:
