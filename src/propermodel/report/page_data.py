@@ -163,7 +163,8 @@ def _facts(subject: PageSubject) -> list[tuple[str, str, str]]:
     for name, path in subject.totals.items():
         before, after = (run.at_end(path) - run.at_start(path) for run in (full, reduced))
         change = f"{after / before - 1.0:+.2%}" if before else ""
-        facts.append((name, f"{before:.4g} → {after:.4g} {full.unit(path)}", change))
+        unit = full.unit(path)
+        facts.append((name.removesuffix(f"_{unit}"), f"{before:.4g} → {after:.4g} {unit}", change))
     outputs = compare(full, reduced, subject.outputs).outputs
     if outputs:
         worst = max(outputs, key=lambda error: error.rms)

@@ -74,7 +74,7 @@ class Studio:
         self.trust.check(self.folder, named)
 
         async def ask() -> bytes:
-            return await self.workers.ask("model", {"model": named.text})
+            return await self.workers.ask("model", {"model": named.text}, runs_python=named.is_python)
 
         return JSONResponse(await self.answers.get(f"model {named.text}", _files(named), ask))
 
@@ -84,7 +84,7 @@ class Studio:
         self.trust.check(self.folder, named)
 
         async def ask() -> bytes:
-            return await self.workers.ask("equations", {"model": named.text})
+            return await self.workers.ask("equations", {"model": named.text}, runs_python=named.is_python)
 
         return JSONResponse(await self.answers.get(f"equations {named.text}", _files(named), ask))
 
@@ -95,7 +95,8 @@ class Studio:
         self.trust.check(self.folder, model, scenario)
 
         async def ask() -> bytes:
-            return await self.workers.ask("scenario", {"model": model.text, "scenario": scenario.text or None})
+            arguments = {"model": model.text, "scenario": scenario.text or None}
+            return await self.workers.ask("scenario", arguments, runs_python=model.is_python or scenario.is_python)
 
         question = f"scenario {model.text} {scenario.text}"
         return JSONResponse(await self.answers.get(question, _files(model, scenario), ask))

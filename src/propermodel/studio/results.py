@@ -101,7 +101,8 @@ class ResultRoutes:
         }
 
         async def ask() -> bytes:
-            return await self._workers.ask("script", arguments)
+            is_python = model.is_python or scenario.is_python
+            return await self._workers.ask("script", arguments, runs_python=is_python)
 
         files = [item.file for item in (model, scenario) if item.file is not None]
         return PlainTextResponse(await self._answers.get(f"script {arguments}", files, ask))

@@ -1,6 +1,6 @@
-"""A process that does one task for the server and ends: `python -P -m propermodel.studio.worker FOLDER`.
+"""A process that does tasks for the server: `python -P -m propermodel.studio.worker FOLDER`.
 
-It is told the task in a line of JSON on its standard input, and answers on its standard output: lines of JSON that say
+It is told a task in a line of JSON on its standard input, and answers on its standard output: lines of JSON that say
 how far it is, then a line with the length of the answer, and the answer. What else is printed, by a model of the user's
 say, goes to the standard error. The line `cancel` asks it to stop with what it has; when its input ends, so does it.
 """
@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import json
 import os
+import queue
 import signal
 import sys
 import threading
 import traceback
+from collections.abc import Callable
 from typing import Any, BinaryIO
 
 Json = Any
@@ -27,6 +29,11 @@ class Control:
         self._channel = channel
         self._lock = threading.Lock()
         self._cancelled = threading.Event()
+        self._orders: queue.SimpleQueue[Json | None] = queue.SimpleQueue()
+
+    def next(self) -> Json | None:
+        """The next task, when it comes; None when there will be none."""
+        return self._orders.get()
 
     @property
     def is_cancelled(self) -> bool:
@@ -38,11 +45,14 @@ class Control:
         self._send({"said": data})
 
     def listen(self, stream: BinaryIO) -> None:
-        """Wait for the word to stop, or for the end of the server."""
+        """Hear tasks and the word to stop, until the server ends."""
         for line in stream:
             if line.strip() == b"cancel":
                 self._cancelled.set()
+            else:
+                self._orders.put(json.loads(line))
         self._cancelled.set()
+        self._orders.put(None)
         # Nobody is there to read an answer. A task that looks at its word stops by itself.
         threading.Timer(_PATIENCE_S, os._exit, [1]).start()
 
@@ -61,34 +71,36 @@ class Control:
 
 
 def main() -> None:
-    """Do the task that comes on the standard input."""
+    """Do the tasks that come on the standard input."""
     # A key that stops the server reaches the processes of its terminal; the server decides about this one.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     channel = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     control = Control(channel)
+    threading.Thread(target=control.listen, args=[sys.stdin.buffer], daemon=True).start()
     # Imported now, so that a task finds a process that is ready.
-    from propermodel.diagnostics import ProperModelError
-    from propermodel.studio.faults import faults_of, status_of, unexpected
-    from propermodel.studio.tasks import do
+    import propermodel.studio.tasks
 
     os.chdir(sys.argv[1])
-    line = sys.stdin.buffer.readline()
-    if not line:
-        return
-    order = json.loads(line)
-    threading.Thread(target=control.listen, args=[sys.stdin.buffer], daemon=True).start()
+    while (order := control.next()) is not None:
+        _do(propermodel.studio.tasks.do, order, control)
+    channel.close()
+    sys.stdout.flush()
+    # Threads of a user's model need not let the process end.
+    os._exit(0)
+
+
+def _do(task: Callable[[str, Json, Control], bytes], order: Json, control: Control) -> None:
+    from propermodel.diagnostics import ProperModelError
+    from propermodel.studio.faults import faults_of, status_of, unexpected
+
     try:
-        control.answer(do(order["task"], order["arguments"], control))
+        control.answer(task(order["task"], order["arguments"], control))
     except ProperModelError as error:
         control.refuse(status_of(error), faults_of(error))
     except Exception as error:  # noqa: BLE001 (a model is a program of the user's: whatever it raises is told)
         traceback.print_exc()
         control.refuse(500, faults_of(unexpected(error)))
-    channel.close()
-    sys.stdout.flush()
-    # Threads of a user's model need not let the process end.
-    os._exit(0)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ Json = Any
 Heard = Callable[[Json], None]
 
 ANSWER_WITHIN_S = 120.0
+_MOST_TASKS = 30  # of one worker, so that what they leave in memory does not add up
 
 
 def most_at_once() -> int:
@@ -26,14 +27,15 @@ def most_at_once() -> int:
 
 
 class Worker:
-    """A process that does one task."""
+    """A process that does tasks, one at a time."""
 
     def __init__(self, process: Process) -> None:
         self._process = process
+        self.tasks = 0  # that it has done
 
     @classmethod
     async def start(cls, root: FilePath) -> Worker:
-        """A process that works in a folder and waits for its task."""
+        """A process that works in a folder and waits for a task."""
         # -P: nothing in the folder is taken for a module of ours. Buffered lines are short; answers are read by length.
         command = (sys.executable, "-P", "-m", "propermodel.studio.worker", str(root))
         return cls(await asyncio.create_subprocess_exec(*command, stdin=PIPE, stdout=PIPE, limit=2**20))
@@ -58,6 +60,7 @@ class Worker:
         written, read = self._process.stdin, self._process.stdout
         assert written is not None  # both are pipes
         assert read is not None
+        self.tasks += 1
         try:
             written.write(json.dumps({"task": task, "arguments": arguments}).encode() + b"\n")
             await written.drain()
@@ -107,32 +110,46 @@ class Workers:
         self._root = root
         self._spare: asyncio.Task[Worker] | None = None
         self._turn = asyncio.Semaphore(most_at_once())
+        self._idle: list[Worker] = []  # that have done tasks and can do more
         self._is_closed = False
 
     def prepare(self) -> None:
         """Have one stand by."""
-        if self._spare is None and not self._is_closed:
+        if self._spare is None and not self._idle and not self._is_closed:
             self._spare = asyncio.get_running_loop().create_task(Worker.start(self._root))
 
     async def take(self) -> Worker:
-        """A worker for one task; whoever takes it ends it."""
+        """A worker that has run no program of the user's; whoever takes it ends it or gives it back."""
+        while self._idle:
+            worker = self._idle.pop()
+            if worker.is_alive:
+                return worker
         spare, self._spare = self._spare, None
         worker = None if spare is None else await spare
         if worker is None or not worker.is_alive:
             worker = await Worker.start(self._root)
         return worker
 
-    async def ask(self, task: str, arguments: Json, within: float = ANSWER_WITHIN_S) -> bytes:
+    async def ask(
+        self, task: str, arguments: Json, *, runs_python: bool = False, within: float = ANSWER_WITHIN_S
+    ) -> bytes:
         """The answer to a question, when it is its turn.
+
+        Args:
+            task: The name of the task.
+            arguments: What it is about.
+            runs_python: Whether it runs a program of the user's; such a worker is used once.
+            within: The time for the answer, s.
 
         Raises:
             AnswerError: the worker says why there is none.
             StudioError: the process has ended without an answer, or has taken too long.
         """
         async with self._turn:
-            worker = await self.take()
+            worker, is_reusable = await self.take(), False
             try:
-                return await asyncio.wait_for(worker.do(task, arguments), within)
+                answer = await asyncio.wait_for(worker.do(task, arguments), within)
+                is_reusable = not runs_python and worker.tasks < _MOST_TASKS and not self._is_closed
             except TimeoutError:
                 raise StudioError.with_status(
                     504,
@@ -141,12 +158,18 @@ class Workers:
                     help="see whether the model's own code waits for something; the process was ended",
                 ) from None
             finally:
-                await worker.end()
-                self.prepare()
+                if is_reusable:
+                    self._idle.append(worker)
+                else:
+                    await worker.end()
+                    self.prepare()
+            return answer
 
     async def close(self) -> None:
-        """End the one that stands by."""
+        """End those that stand by."""
         self._is_closed = True
+        while self._idle:
+            await self._idle.pop().end()
         spare, self._spare = self._spare, None
         if spare is not None:
             await (await spare).end()
