@@ -51,6 +51,7 @@ test: $(STAMP)
 test-browser: $(STAMP)
 	cd web && npm ci --no-audit --no-fund && npm run check && npm run test && npm run build
 	git diff --exit-code --stat -- src/propermodel/drawing/assets src/propermodel/report/assets src/propermodel/studio/assets
+	$(BIN)/python -m tests.browser.wheel
 	$(BIN)/python -m tests.browser.pages
 	$(BIN)/python -m tests.browser.studio
 	cd web && npm run browser
@@ -58,6 +59,7 @@ test-browser: $(STAMP)
 # What the pages take of a reader's time: figures, which depend on the machine.
 bench-browser: $(STAMP)
 	cd web && npm ci --no-audit --no-fund
+	$(BIN)/python -m tests.browser.wheel
 	$(BIN)/python -m tests.browser.pages
 	$(BIN)/python -m tests.browser.studio
 	cd web && npm run bench

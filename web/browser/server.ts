@@ -1,7 +1,7 @@
 /** The studio's real server for tests, and the browser that looks at it. */
 
 import { spawn, type ChildProcess } from "node:child_process";
-import { mkdtempSync } from "node:fs";
+import { existsSync, mkdtempSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { fileURLToPath } from "node:url";
 import { chromium, type Browser, type BrowserContext, type Page } from "playwright-core";
@@ -14,6 +14,8 @@ export const SWITCHES = [
   "--disable-sync",
 ];
 const ROOT = fileURLToPath(new URL("../../", import.meta.url));
+/** The package as users get it, before its sources: `python -m tests.browser.wheel`. */
+const WHEEL = `${ROOT}out/browser/wheel`;
 const PATIENCE = 60_000; // ms
 
 export const launched = (): Promise<Browser> =>
@@ -28,8 +30,9 @@ export class Server {
 
   static async start(folder: string): Promise<Server> {
     const command = process.env.PROPERMODEL ?? `${ROOT}.venv/bin/propermodel`;
+    if (!existsSync(WHEEL)) throw new Error("no wheel: python -m tests.browser.wheel");
     // What this server is told to trust is forgotten with it.
-    const env = { ...process.env, XDG_DATA_HOME: mkdtempSync(`${tmpdir()}/propermodel-`) };
+    const env = { ...process.env, XDG_DATA_HOME: mkdtempSync(`${tmpdir()}/propermodel-`), PYTHONPATH: WHEEL };
     const child = spawn(command, ["studio", folder, "--no-browser"], { cwd: ROOT, env, stdio: ["ignore", "pipe", "inherit"] });
     let text = "";
     const address = await new Promise<string>((resolve, reject) => {
