@@ -17,6 +17,7 @@ from benchmarks.galleries.families import (
     geared_rotors,
     hydraulic,
     hydrostatic,
+    motor,
     quarter_car,
 )
 from benchmarks.galleries.judge import Lines, respond
@@ -31,6 +32,11 @@ BENT_FAMILIES: Mapping[str, tuple[Draw, ...]] = {
     "geared rotors": (lambda c: geared_rotors(c, 2),),
     "hydraulic circuit": tuple(lambda c, n=n: hydraulic(c, n, with_supply=False) for n in (6, 8)),
     "hydrostatic drive": (lambda c: hydrostatic(c, 7, with_load=False),),
+    "quarter car with weight": tuple(lambda c, s=s: quarter_car(c, s, with_weight=True) for s in (False, False, True)),
+    "driveline on a slope": tuple(lambda c, n=n: driveline(c, n, with_load=True) for n in (6, 7)),
+    "hydraulic circuit under pressure": tuple(lambda c, n=n: hydraulic(c, n, with_supply=True) for n in (6, 8)),
+    "motor with a load": tuple(lambda c, n=n: motor(c, n, with_load=True) for n in (6, 7)),
+    "hydrostatic drive with a load": (lambda c: hydrostatic(c, 7, with_load=True),),
 }
 
 _OFFERED: Mapping[tuple[Field, Kind], tuple[Law, ...]] = {
@@ -58,7 +64,8 @@ def draw_bent_gallery(count: int, seed: int = 1) -> list[Network]:
 def bend(network: Network, chance: Chance) -> Network:
     """Give some elements laws that differ by a factor of two and more over what they do in the linear network."""
     count = len(network.elements)
-    seen = Lines(network.stop).instants(respond(network).moved)
+    response = respond(network)
+    seen = Lines(network.stop).instants(response.moved) + response.equilibrium[:, np.newaxis]
     able = [n for n, element in enumerate(network) if _laws(element)]
     chosen = chance.random.choice(able, min(MOST_BENT, len(able)), replace=False)
     elements = list(network.elements)
@@ -68,6 +75,9 @@ def bend(network: Network, chance: Chance) -> Network:
         size = float(np.max(np.abs(driver)))
         law = Law(chance.among(*_laws(element)))
         scale = size * float(chance.random.uniform(0.3, 0.9))
+        if law in (Law.SATURATING, Law.FRICTION):
+            # What has to be carried at rest is at most half of what such a law can give: otherwise there is no rest.
+            scale = max(scale, 2.0 * abs(response.equilibrium[number]) / element.value)
         elements[number] = replace(element, law=law, scale=scale)
     return replace(network, elements=tuple(elements))
 

@@ -11,7 +11,6 @@ import numpy as np
 
 import propermodel as pm
 from benchmarks.galleries.exhaustion import Exhaustion, Meaning, exhaust
-from benchmarks.galleries.judge import respond
 from benchmarks.galleries.models import model_of, observable, port_of, scenario_of
 from benchmarks.galleries.network import INTERVALS, FloatArray, Network
 
@@ -71,7 +70,7 @@ class Forecast:
 
 def cases_of(network: Network, truth: Exhaustion, tolerances: Sequence[float] = TOLERANCES) -> Iterator[Case]:
     """Search the smallest model of a network at several tolerances."""
-    model, scenario = model_of(network), scenario_of(network, respond(network))
+    model, scenario = model_of(network), scenario_of(network)
     for nominal in tolerances:
         tolerance = clear_of_borders(truth, nominal)
         begin = time.perf_counter()
@@ -123,7 +122,10 @@ def judged(network: Network, truth: Exhaustion, removals: Sequence[str], toleran
 
 
 def simulated_error(network: Network, removals: Sequence[str], tolerance: float) -> float | None:
-    """The largest error of some removals over a tolerance, simulated as in a search; None if one gives a constant."""
+    """The largest error of some removals over a tolerance, simulated as in a search; None if one gives a constant.
+
+    It is infinite where the package has no equations for what is left.
+    """
     gone = [
         kind(port_of(element))
         for element in network
@@ -132,16 +134,20 @@ def simulated_error(network: Network, removals: Sequence[str], tolerance: float)
     ]
     if len(gone) < len(removals):
         return None
-    model, scenario = model_of(network), scenario_of(network, respond(network))
+    model, scenario = model_of(network), scenario_of(network)
+    try:
+        compiled = [pm.compile_model(one) for one in (model, model.without(gone))]
+    except pm.ProperModelError:
+        return math.inf
     full, reduced = (
         pm.simulate(
-            pm.compile_model(one),
+            one,
             scenario,
             method=pm.Method.RODAS,
             tolerance=STEP_TOLERANCE,
             record_every=network.stop / INTERVALS,
         )
-        for one in (model, model.without(gone))
+        for one in compiled
     )
     outputs = [observable(network, output) for output in network.outputs]
     return max(output.rms for output in pm.compare(full, reduced, outputs).outputs) / tolerance
@@ -180,7 +186,7 @@ def told(removal: pm.Removal) -> str:
 
 def forecast_of(network: Network, truth: Exhaustion) -> Forecast:
     """Predict all single removals from one run of the package, and look up what is true."""
-    model, scenario = model_of(network), scenario_of(network, respond(network))
+    model, scenario = model_of(network), scenario_of(network)
     run = pm.simulate(
         pm.compile_model(model),
         scenario,

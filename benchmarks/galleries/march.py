@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.galleries.exhaustion import Choice, Choices, Exhaustion, IntArray, Meaning, choices_of
-from benchmarks.galleries.judge import Equations
+from benchmarks.galleries.judge import AT_REST, Equations
 from benchmarks.galleries.network import INTERVALS, Element, FloatArray, Half, Kind, Law, Network
 
 SUBSTEPS = 1  # of an interval
@@ -25,6 +25,7 @@ GAMMA = 2.0 * BETA  # of a step: where its first stage ends
 ILL_CONDITIONED = 1e10  # of the network with all values of the order of one: it has no solution
 GIVEN_UP = 0.1  # error of an output beyond which a model is followed no further
 MOST_ITERATIONS = 30
+SHORT = 1e-5  # of an interval: the step that shares out what is stored at the start
 LEAST_SLOPE = 1e-2  # of a quadratic law in Newton's method, as a share of the linear one: at rest it has none
 FLAT = 1e-13  # keeps Newton's method going where a law has become flat
 CLOSE = 1e-7  # what Newton's method may leave, as a share of the size of the law
@@ -59,11 +60,10 @@ class _Bend:
 
 def exhaust_bent(network: Network) -> Exhaustion:
     """Judge every smaller network; errors beyond `GIVEN_UP` are infinite, but for single removals."""
-    count = len(network.elements)
-    nothing = np.zeros((1, count), dtype=np.int8)
-    keep = tuple((Choice(Meaning.KEEP, Half.EFFORT),) for _ in network)
-    full = _March(network, nothing, keep).run()
-    choices = _choices(network, full)
+    full = _full(network).run()
+    choices = choices_of(
+        network, full[:, 0].T, full[0, 0] if network.is_biased else 0.0 * full[0, 0], MOST_WITH_CONSTANTS
+    )
     every = np.array(list(itertools.product(*(range(len(some)) for some in choices))), dtype=np.int8)
     tried = len(every)
     every = every[_are_sound(network, every, choices)]
@@ -79,12 +79,44 @@ def exhaust_bent(network: Network) -> Exhaustion:
 
 def run_bent(network: Network) -> FloatArray:
     """The efforts, then flows, of all elements of the full network at the ends of all intervals."""
+    return _full(network).run()[:, 0].T
+
+
+def at_rest(network: Network) -> tuple[FloatArray, FloatArray]:
+    """The equilibrium of a network with its constant drives: efforts then flows, and displacements and momenta."""
+    if not network.is_biased:
+        return np.zeros(2 * len(network.elements)), np.zeros(len(network.elements))
+    nothing, keep = _nothing(network)
+    # One step that takes so long that all has come to rest.
+    resting = _March(network, nothing, keep, AT_REST / network.stop)
+    stored = resting.solved(np.zeros_like(nothing, dtype=np.float64), 0.0)
+    return resting.now[0], stored[0]
+
+
+def _full(network: Network) -> _March:
+    return _begun(network, *_nothing(network))
+
+
+def _nothing(network: Network) -> tuple[IntArray, Choices]:
+    """What leaves one network as it is."""
     keep = tuple((Choice(Meaning.KEEP, Half.EFFORT),) for _ in network)
-    return _March(network, np.zeros((1, len(network.elements)), dtype=np.int8), keep).run()[:, 0].T
+    return np.zeros((1, len(network.elements)), dtype=np.int8), keep
 
 
-def _choices(network: Network, full: FloatArray) -> Choices:
-    return choices_of(network, full[:, 0].T, np.zeros(2 * len(network.elements)), MOST_WITH_CONSTANTS)
+def _begun(network: Network, meanings: IntArray, choices: Choices) -> _March:
+    """Networks at the start: what is stored in the full one at rest, shared out anew where removals tie it together.
+
+    A short implicit step brings that about, as an impact would: what is conserved is kept. A second one then finds
+    rates without it.
+    """
+    march = _March(network, meanings, choices, SUBSTEPS * INTERVALS / (BETA * network.stop))
+    if network.is_biased:
+        start = _March(network, meanings, choices, INTERVALS / (SHORT * network.stop))
+        stored = np.where(meanings == Meaning.KEEP, at_rest(network)[1], 0.0)
+        for _ in range(2):
+            stored = start.solved(stored, 0.0)
+        march.begin(stored, start.now)
+    return march
 
 
 def _errors(network: Network, meanings: IntArray, choices: Choices, full: FloatArray, most: float) -> FloatArray:
@@ -93,7 +125,7 @@ def _errors(network: Network, meanings: IntArray, choices: Choices, full: FloatA
     asked = [network.number(o.element) + (count if o.half is Half.FLOW else 0) for o in network.outputs]
     expected = full[:, 0, asked]
     ranges = np.ptp(expected, axis=0)
-    march = _March(network, meanings, choices)
+    march = _begun(network, meanings, choices)
     squares = np.zeros((len(meanings), len(asked)))
     found = np.full((len(meanings), len(asked)), np.inf)
     here = np.arange(len(meanings))
@@ -173,11 +205,11 @@ class _Rows:
 class _March:
     """Networks of which each has its own laws in the place of some elements."""
 
-    def __init__(self, network: Network, meanings: IntArray, choices: Choices) -> None:
+    def __init__(self, network: Network, meanings: IntArray, choices: Choices, s: float) -> None:
+        """Solve the networks at one s, the inverse of the weight of the newest rate."""
         self._network = network
-        self._step = network.stop / (INTERVALS * SUBSTEPS)
         self._count = len(network.elements)
-        self._s = 1.0 / (BETA * self._step)
+        self._s = s
         rows = _Rows.of(network, self._s)
         solved = np.linalg.solve(
             rows.matrices(meanings, choices), np.broadcast_to(rows.right, (len(meanings), *rows.right.shape))
@@ -197,7 +229,7 @@ class _March:
         self._value = np.array([element.value for element in network])
         self._sizes = np.array([self._size(element) for _, element in ((n, b.element) for n, b in self._bends)])
         self._stored = np.zeros(meanings.shape)  # displacement or momentum
-        self._now = np.zeros((len(meanings), 2 * self._count))
+        self.now = np.zeros((len(meanings), 2 * self._count))  # efforts then flows
         self._bent = np.zeros((len(meanings), len(self._bends)))
         self._instant = 0
 
@@ -206,41 +238,43 @@ class _March:
         size = element.value * element.scale
         return size * self._s / element.value if element.kind is Kind.COMPLIANCE else size
 
+    def begin(self, stored: FloatArray, now: FloatArray) -> None:
+        """Begin with displacements and momenta, and efforts then flows."""
+        self._stored, self.now = stored, now
+
     def leave(self, which: NDArray[np.bool_]) -> None:
         """Follow only some of the networks."""
         self._laws, self._drives = self._laws[which], self._drives[which]
         self._kept, self._values, self._stored = self._kept[which], self._values[which], self._stored[which]
-        self._now, self._bent = self._now[which], self._bent[which]
+        self.now, self._bent = self.now[which], self._bent[which]
 
     def run(self) -> FloatArray:
         """(instants, networks, efforts then flows) to the end."""
-        return np.array([self._now.copy(), *(self.advanced().copy() for _ in range(INTERVALS))])
+        return np.array([self.now.copy(), *(self.advanced().copy() for _ in range(INTERVALS))])
 
     def advanced(self) -> FloatArray:
         """(networks, efforts then flows) at the end of the next interval."""
+        share = 1.0 / (GAMMA * (2.0 - GAMMA))
         for sub in range(SUBSTEPS):
-            begin, h = self._instant + sub / SUBSTEPS, self._step
-            before, rate = self._stored, self._rate()
-            middle = self._solved(before + BETA * h * rate, begin + GAMMA / SUBSTEPS)
-            share = 1.0 / (GAMMA * (2.0 - GAMMA))
-            past = share * middle - (share - 1.0) * before
-            self._stored = self._solved(past, begin + 1.0 / SUBSTEPS)
+            before, begin = self._stored, self._instant + sub / SUBSTEPS
+            middle = self.solved(before + self._rate() / self._s, begin + GAMMA / SUBSTEPS)
+            self._stored = self.solved(share * middle - (share - 1.0) * before, begin + 1.0 / SUBSTEPS)
         self._instant += 1
-        return self._now
+        return self.now
 
     def _rate(self) -> FloatArray:
-        efforts, flows = self._now[:, : self._count], self._now[:, self._count :]
+        efforts, flows = self.now[:, : self._count], self.now[:, self._count :]
         return np.where(self._is_compliance, flows, np.where(self._is_inertia, efforts, 0.0))
 
-    def _solved(self, past: FloatArray, instant: float) -> FloatArray:
-        """What is stored when x - past is the newest rate times BETA times the step; `_now` follows."""
+    def solved(self, past: FloatArray, instant: float) -> FloatArray:
+        """What is stored when s (x - past) is the newest rate; `now` follows."""
         drives = np.array([_between(drive.values, instant) for drive in self._network.drives])
         violations = np.where(
             self._kept, np.where(self._is_compliance | self._is_inertia, -self._s * past, 0.0), self._values
         )
         linear = (self._laws @ violations[:, :, np.newaxis])[:, :, 0] + self._drives @ drives
-        self._now = linear + self._bending(linear, past)
-        moved = past + BETA * self._step * self._rate()
+        self.now = linear + self._bending(linear, past)
+        moved = past + self._rate() / self._s
         return np.where(self._kept, moved, 0.0)
 
     def _bending(self, linear: FloatArray, past: FloatArray) -> FloatArray:
@@ -276,7 +310,7 @@ class _March:
         wanted, slopes = np.zeros_like(flow), np.zeros_like(flow)
         for column, (number, bend) in enumerate(self._bends):
             if bend.element.kind is Kind.COMPLIANCE:
-                x, inner = past[:, number] + BETA * self._step * flow[:, column], BETA * self._step
+                x, inner = past[:, number] + flow[:, column] / self._s, 1.0 / self._s
                 factor = -self._s / bend.element.value
             else:
                 x, inner, factor = flow[:, column], 1.0, 1.0

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import propermodel as pm
-from benchmarks.galleries.judge import Response
+from benchmarks.galleries.march import at_rest
 from benchmarks.galleries.network import GROUND, Coupling, Element, Field, Kind, Law, Network, Output, Place
 from propermodel.library.electrical import Capacitor, Ground, Inductor, Resistor
 from propermodel.library.electrical.machines import ElectromechanicalConversion, VoiceCoil
@@ -115,10 +115,9 @@ def model_of(network: Network) -> pm.Model:
     return pm.elaborate(made(), name=network.name)
 
 
-def scenario_of(network: Network, response: Response) -> pm.Scenario:
+def scenario_of(network: Network) -> pm.Scenario:
     """The scenario: drives, and the equilibrium that the network begins in."""
-    instants = network.instants
-    count = len(network.elements)
+    instants, stored = network.instants, at_rest(network)[1]
     inputs: dict[pm.Path, float | pm.TableValues] = {}
     for drive in network.drives:
         path = pm.Path((drive.name, drive.half.value))
@@ -127,11 +126,9 @@ def scenario_of(network: Network, response: Response) -> pm.Scenario:
     initial: dict[pm.Path, float] = {}
     if network.is_biased:
         for number, element in enumerate(network.elements):
-            if element.kind is Kind.COMPLIANCE:
-                initial[pm.Path((element.name, "displacement"))] = float(response.equilibrium[number]) / element.value
-            elif element.kind is Kind.INERTIA:
-                flow = float(response.equilibrium[count + number])
-                initial[pm.Path((element.name, "momentum"))] = flow * element.value
+            if element.kind is not Kind.RESISTANCE:
+                what = "displacement" if element.kind is Kind.COMPLIANCE else "momentum"
+                initial[pm.Path((element.name, what))] = float(stored[number])
     return pm.Scenario(name="driven", stop=network.stop, inputs=inputs, initial=initial)
 
 
