@@ -58,7 +58,7 @@ def measure(is_quick: bool) -> Json:
     rows: list[Json] = []
     for size in sizes:
         repeats = 1 if is_quick or size > 500 else REPEATS
-        found = [_chain(size, steps=max(200, 400_000 // size)) for _ in range(repeats)]
+        found = [_chain(size, steps=max(2000, 400_000 // size)) for _ in range(repeats)]
         rows.append(
             {
                 "size": size,

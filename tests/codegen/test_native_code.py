@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from propermodel.codegen import native_code, print_program
+from propermodel.codegen.arrangement import PRINTING, Printing
 from propermodel.codegen.llvm_compiler import Effort, host
 from propermodel.codegen.machine import Method, Request
 from propermodel.codegen.native import NativeMachine
@@ -90,11 +91,14 @@ def test_thorough_code_that_is_there_is_taken_at_once(compiled: list[Effort]):
 def test_everything_that_decides_the_code_is_in_the_key(monkeypatch: pytest.MonkeyPatch):
     program = chain(3).program()
 
-    def key(method: Method = Method.EULER, lanes: int = 1, most: int = 2000, effort: Effort = Effort.QUICK) -> str:
-        return Recipe(program, method, lanes, most)._key(effort)
+    def key(
+        method: Method = Method.EULER, lanes: int = 1, printing: Printing = PRINTING, effort: Effort = Effort.QUICK
+    ) -> str:
+        return Recipe(program, method, lanes, printing)._key(effort)
 
     assert key() == key()
-    keys = {key(), key(method=Method.RK4), key(lanes=2), key(most=7), key(effort=Effort.THOROUGH)}
+    keys = {key(), key(method=Method.RK4), key(lanes=2), key(effort=Effort.THOROUGH)}
+    keys |= {key(printing=Printing(most_instructions=7)), key(printing=Printing(loops_from=7))}
     machine = host()
     for part in range(len(machine)):
         changed = (*machine[:part], machine[part] + "x", *machine[part + 1 :])
@@ -103,7 +107,7 @@ def test_everything_that_decides_the_code_is_in_the_key(monkeypatch: pytest.Monk
     monkeypatch.setattr(native_code, "host", lambda: machine)
     monkeypatch.setattr(native_code, "generator_digest", lambda: "another version")
     keys.add(key())
-    assert len(keys) == 5 + len(machine) + 1
+    assert len(keys) == 6 + len(machine) + 1
     assert len(machine) == 5  # processor, its features, system, llvmlite, LLVM
     assert all(machine)
 
@@ -120,7 +124,7 @@ def test_the_key_changes_with_the_sources_of_the_generator(tmp_path: Path, monke
     monkeypatch.setattr(native_code, "files", copies.__getitem__)
     digest = generator_digest.__wrapped__
     assert digest() == found
-    for name in ("llvm_math.py", "print_program.py", "llvm_compiler.py"):
+    for name in ("llvm_math.py", "print_program.py", "repeats.py", "llvm_compiler.py"):
         source = copies["propermodel.codegen"] / name
         before = source.read_bytes()
         source.write_bytes(before + b"#")
@@ -176,7 +180,7 @@ def test_switched_off_it_leaves_no_trace(folder: Path, monkeypatch: pytest.Monke
 
 
 def test_what_is_kept_is_read_back():
-    made = Recipe(oscillator().program(), Method.EULER, 2, 2000).make(Effort.QUICK)
+    made = Recipe(oscillator().program(), Method.EULER, 2, PRINTING).make(Effort.QUICK)
     read = NativeCode.from_bytes(made.to_bytes(), Effort.QUICK)
     assert read.code == made.code
     assert read.arrangement.to_json() == made.arrangement.to_json()

@@ -228,6 +228,18 @@ def test_a_small_program_has_no_loops():
     assert loops_of(program) > 0
 
 
+def test_powers_are_added_up_where_they_are_computed():
+    def adds(draft: Draft, method: Method, printing: Printing = LOOPS) -> bool:
+        return "@rates.adding(" in print_program(draft.program(), method, 1, printing).text
+
+    chain = sections([LAWS[0]] * 20)
+    assert adds(chain, Method.RK4)
+    assert not adds(chain, Method.RK4, STRAIGHT)
+    assert not adds(chain, Method.DOPRI5)
+    # An evaluation that ends with an implicit block that has no solution adds nothing.
+    assert not adds(sections([LAWS[0]] * 20, solves=True), Method.RK4)
+
+
 def test_code_of_a_repeated_model_does_not_grow_with_it():
     few, many = (
         len(print_program(sections([LAWS[1]] * count).program(), Method.SEMI_IMPLICIT, 1, LOOPS).text)

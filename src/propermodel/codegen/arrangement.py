@@ -17,12 +17,12 @@ class Printing:
     """How functions are printed.
 
     In pieces of about `most_instructions`: LLVM's time grows faster than their length, and much shorter ones cost
-    speed. From `loops_from` operations and stores on, what is repeated is printed as loops, which make no shorter
-    function faster.
+    speed. From `loops_from` operations and stores on, what is repeated is printed as loops, by which shorter functions
+    gain little.
     """
 
     most_instructions: int = 300
-    loops_from: int = 1000
+    loops_from: int = 400
 
 
 PRINTING = Printing()

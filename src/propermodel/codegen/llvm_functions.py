@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from propermodel.codegen.arrangement import Printing
 from propermodel.codegen.llvm_block import Block
 from propermodel.codegen.llvm_bundles import Bundle, bundled
+from propermodel.codegen.llvm_loops import has_solve
 from propermodel.codegen.llvm_newton import write_newton
 from propermodel.codegen.llvm_repeats import repeat_lines
 from propermodel.codegen.llvm_scratch import Life, Packs, Scratch, Streams
-from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Module
+from propermodel.codegen.llvm_sums import ADDING, Sums
+from propermodel.codegen.llvm_text import ARGUMENTS, PASSED, Module, Text
 from propermodel.codegen.program import Array, Function, Program
 from propermodel.codegen.repeats import Item as Unbundled
 from propermodel.codegen.repeats import Repeat, RepeatFinder, StoreRow
@@ -44,6 +46,7 @@ class Plan:
     late: list[StoreRow]
     copies: list[Repeat]
     rows: dict[Expr, int]
+    has_loops: bool
 
 
 @dataclass
@@ -65,10 +68,15 @@ class Writer:
         self.numbers = number_solves(program)
         self._scratch = Scratch(module.frame)
         self._streams = Streams(module.frame)
+        self._sums: Sums | None = None  # while powers are added up
+        self.adds_powers = False
         self.kept: dict[Level, dict[Expr, int]] = {Level.RUN: {}, Level.SAMPLE: {}}
 
-    def write_program(self) -> None:
-        """Write `prepare`, `refresh`, and the functions of the program (`sample.<k>`, `correct.<k>`)."""
+    def write_program(self, *, may_add: bool) -> None:
+        """Write `prepare`, `refresh`, and the functions of the program (`sample.<k>`, `correct.<k>`).
+
+        If powers may be added up where they are computed, there is `rates.adding`, too, where it pays.
+        """
         program = self.program
         levels = node_levels(program.continuous, program.layout)
         nodes = frontier(program.continuous, levels)
@@ -82,6 +90,11 @@ class Writer:
             self._write_kept(name, level, [StoreRow(*filled) for filled in packs.rows(level)])
         for plan in continuous:
             self._write_plan(plan)
+            if plan.name == "rates" and plan.has_loops and may_add and not has_solve(program.rates):
+                self.adds_powers = True
+                self._sums = Sums(self.module.frame)
+                self._write_plan(replace(plan, name=ADDING))
+                self._sums = None
         for k, function in enumerate(program.samples):
             self._write_plan(self._planned(f"sample.{k}", function, self.kept[Level.RUN], None))
 
@@ -128,7 +141,7 @@ class Writer:
         finder = self._finder(rows, packs)
         items = finder.arranged(items, late)
         late, copies = finder.copied(late)
-        return Plan(name, items, late, copies, finder.rows)
+        return Plan(name, items, late, copies, finder.rows, finder.is_arranged)
 
     def _write_plan(self, plan: Plan) -> None:
         is_rare = plan.name in _RARE
@@ -206,8 +219,8 @@ class Writer:
 
     def _write_piece(self, name: str, piece: Piece, rows: dict[Expr, int], attributes: str) -> None:
         if piece.items and isinstance(piece.items[0], Repeat):
-            loops = repeat_lines(self.module, (item for item in piece.items if isinstance(item, Repeat)))
-            self._define(name, loops, attributes)
+            repeats = [item for item in piece.items if isinstance(item, Repeat)]
+            self._define(name, repeat_lines(self.module, repeats, self._sums), attributes)
             return
         block = Block(self.module, rows)
         text = block.text
@@ -217,7 +230,7 @@ class Writer:
             elif isinstance(item, Bundle):
                 block.compute_together(item.nodes)
             elif isinstance(item, StoreRow):
-                text.store_row(item.row, block.number(item.value))
+                self._store(text, item.row, block.number(item.value))
             elif isinstance(item, Call):
                 self._write_solve(f"{name}.solve{item.number}", item, rows)
                 text.do(f"call void @{name}.solve{item.number}({PASSED})")
@@ -228,6 +241,17 @@ class Writer:
         for store, value in zip(piece.late, values, strict=True):
             text.store_row(store.row, value)
         self._define(name, text.lines, attributes)
+
+    def _store(self, text: Text, row: int, number: str) -> None:
+        if self._sums is None or not self._sums.takes(row):
+            text.store_row(row, number)
+            return
+        self._sums.add(
+            text,
+            text.multiply(number, self._sums.share(text)),
+            lambda away: text.load_row(row + away),
+            lambda away, total: text.store_row(row + away, total),
+        )
 
     def _write_solve(self, name: str, call: Call, rows: dict[Expr, int]) -> None:
         """The functions of an implicit block: its residuals with their Jacobian, and the iteration."""

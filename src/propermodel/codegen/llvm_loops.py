@@ -133,6 +133,17 @@ class Body:
 
         self.over(regions[Array.POWER], self.program.layout.lengths.get(Array.POWER, 0), body)
 
+    def fill(self, region: str, scalar: str) -> None:
+        """Let every lane of a region of one row have the same number."""
+
+        def body(pointer: Callable[[int], str], n: str) -> list[str]:
+            return [
+                *spread(f"{n}.all", scalar),
+                f"  store {V} {n}.all, ptr {pointer(self.frame.regions[region])}, align 64",
+            ]
+
+        self.over(self.frame.regions[region], 1, body)
+
     def copy(self, target: str, source: str, rows: int) -> None:
         """Copy rows of one region to another."""
         size = self.frame.offset(rows)

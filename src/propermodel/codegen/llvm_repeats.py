@@ -3,7 +3,7 @@
 
 Repetitions of equal length share a loop where each instance needs nothing else of the others than what this instance
 gives. The last pass of a loop ends with the last instance and may do some again that were done before, which gives
-the same values: a loop writes no row that it reads.
+the same values: a loop writes no row that it reads. Only what is added up is left out when it is done again.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from propermodel.codegen.llvm_block import Block, Value
+from propermodel.codegen.llvm_sums import Sums
 from propermodel.codegen.llvm_text import WIDE, Module, Shape, literal
 from propermodel.codegen.repeats import Repeat, Rows
 from propermodel.expressions.core import TIME, Expr
@@ -19,11 +20,11 @@ _TOGETHER = 4  # instances in one pass, where an instance has several lanes
 _MOST_SHARING = 12  # repetitions in a loop: more values than registers
 
 
-def repeat_lines(module: Module, repeats: Iterable[Repeat]) -> list[str]:
-    """The instructions of repetitions that follow each other."""
+def repeat_lines(module: Module, repeats: Iterable[Repeat], sums: Sums | None) -> list[str]:
+    """The instructions of repetitions that follow each other; powers are added up or stored."""
     block = Block(module, {}, Shape(WIDE) if module.frame.shape.lanes == 1 else None)
     for number, repeat in enumerate(sharing(repeats)):
-        _Loop(block, repeat, f"loop{number}").write()
+        _Loop(block, repeat, f"loop{number}", sums).write()
     return block.text.lines
 
 
@@ -59,12 +60,14 @@ def _reads(repeat: Repeat, target: Rows, other: Repeat) -> bool:
 
 
 class _Loop:
-    def __init__(self, block: Block, repeats: list[Repeat], name: str) -> None:
+    def __init__(self, block: Block, repeats: list[Repeat], name: str, sums: Sums | None) -> None:
         self._block = block
         self._text = block.text
         self._frame = block.text.frame
         self._repeats = repeats
         self._name = name
+        self._sums = sums
+        self._share = ""
         self._is_wide = self._frame.shape.lanes == 1
         self._row_bytes = self._frame.offset(1)
 
@@ -76,12 +79,17 @@ class _Loop:
         text.do(f"br label %{name}.before")
         text.label(f"{name}.before")
         readers = [[self._reader(repeat, place) for place in range(len(repeat.operands))] for repeat in self._repeats]
+        if self._sums is not None:
+            self._share = self._sums.share(text)
         text.do(f"br label %{name}")
         text.label(name)
         first, following = f"%{name}.first", f"%{name}.next"
         text.do(f"{first} = phi i64 [ 0, %{name}.before ], [ {following}, %{name} ]")
+        text.do(f"%{name}.done = phi i64 [ 0, %{name}.before ], [ %{name}.all, %{name} ]")
+        text.do(f"%{name}.again = sub i64 %{name}.done, {first}")
         for place in range(1 if self._is_wide else at_once):
-            self._pass(first if not place else text.emit(f"add nuw nsw i64 {first}, {place}"), readers)
+            instance = first if not place else text.emit(f"add nuw nsw i64 {first}, {place}")
+            self._pass(instance, readers, self._fresh(place) if self._sums is not None and last % at_once else "")
         text.do(f"%{name}.all = add nuw nsw i64 {first}, {at_once}")
         text.do(f"%{name}.over = icmp ugt i64 %{name}.all, {last}")
         text.do(f"{following} = select i1 %{name}.over, i64 {last}, i64 %{name}.all")
@@ -89,7 +97,18 @@ class _Loop:
         text.do(f"br i1 %{name}.more, label %{name}, label %{name}.end")
         text.label(f"{name}.end")
 
-    def _pass(self, instance: str, readers: list[list[Callable[[str], Value]]]) -> None:
+    def _fresh(self, place: int) -> str:
+        """Where an instance is not one that an earlier pass has done."""
+        text, again = self._text, f"%{self._name}.again"
+        if not self._is_wide:
+            return text.emit(f"icmp sle i64 {again}, {place}")
+        kind = f"<{WIDE} x i64>"
+        first = text.emit(f"insertelement {kind} poison, i64 {again}, i32 0")
+        every = text.emit(f"shufflevector {kind} {first}, {kind} poison, <{WIDE} x i32> zeroinitializer")
+        places = ", ".join(f"i64 {k}" for k in range(WIDE))
+        return text.emit(f"icmp sle {kind} {every}, <{places}>")
+
+    def _pass(self, instance: str, readers: list[list[Callable[[str], Value]]], fresh: str) -> None:
         known: dict[Rows, Value] = {}
         for repeat, reads in zip(self._repeats, readers, strict=True):
             operands: list[Value] = []
@@ -103,8 +122,27 @@ class _Loop:
             result = operands[0] if repeat.is_copy else self._block.result(repeat.nodes[0], operands)
             number = self._block.fitted(result)
             for target in repeat.targets:
-                self._store(number, target, instance)
                 known[target] = result
+                if self._sums is not None and self._sums.takes(target.first):
+                    self._add(self._sums, number, target, instance, fresh)
+                else:
+                    self._store(number, target, instance)
+
+    def _add(self, sums: Sums, power: str, rows: Rows, instance: str, fresh: str) -> None:
+        """Add a power to its integrals, once."""
+        text = self._text
+        energy = text.multiply(power, self._share)
+        if fresh:
+            truth = text.shape.truth if self._is_wide else "i1"
+            # Whatever it is added to stays the same to the last bit.
+            nothing = text.constant(-0.0)
+            energy = text.emit(f"select {truth} {fresh}, {text.kind} {energy}, {text.kind} {nothing}")
+        sums.add(
+            text,
+            energy,
+            lambda away: self._load(Rows(rows.first + away, rows.step), instance),
+            lambda away, number: self._store(number, Rows(rows.first + away, rows.step), instance),
+        )
 
     def _reader(self, repeat: Repeat, place: int) -> Callable[[str], Value]:
         """What gives the value of an operand for an instance; what is the same for all is read before the loop."""

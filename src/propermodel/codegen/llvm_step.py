@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from propermodel.codegen.llvm_implicit import pending_lines, write_weak_check
 from propermodel.codegen.llvm_loops import Body
+from propermodel.codegen.llvm_sums import ADDING, SHARE
 from propermodel.codegen.llvm_text import ARGUMENTS, Module, literal
 from propermodel.codegen.machine import QUADRATURE, Method
 from propermodel.codegen.program import Array, Program
@@ -13,13 +14,23 @@ from propermodel.codegen.program import Array, Program
 class StepWriter:
     """Writes `step`, which advances the state and the integrals; it returns whether a lane is still alive."""
 
-    def __init__(self, module: Module, program: Program, method: Method, momentum_rows: int, state_rows: int) -> None:
+    def __init__(
+        self,
+        module: Module,
+        program: Program,
+        method: Method,
+        momentum_rows: int,
+        state_rows: int,
+        *,
+        adds_powers: bool,
+    ) -> None:
         self.module = module
         self.frame = module.frame
         self.program = program
         self.method = method
         self.momentum_rows = momentum_rows  # rows of the momenta at the beginning of the state regions, padded
         self.state_rows = state_rows
+        self.adds_powers = adds_powers  # there is a function that adds powers to their integrals
         self.body = Body(module, program)
 
     def write(self) -> None:
@@ -42,20 +53,23 @@ class StepWriter:
         if self.program.implicit_step is not None:
             self._write_close()
 
-    def _integrate(self, stage: int) -> None:
-        """Add this evaluation's share to the integrals of POWER and of its absolute value."""
+    def _evaluate(self, stage: int, time: str) -> None:
+        """Compute the rates, and add this evaluation's share to the integrals of POWER and of its absolute value."""
         share = QUADRATURE[self.method][stage]
         self.body.lines.append(f"  %share{stage} = fmul double %h, {literal(share)}")
-        self.body.add_powers(f"%share{stage}")
+        if self.adds_powers:
+            self.body.fill(SHARE, f"%share{stage}")
+            self.body.evaluate(self.program.rates, ADDING, time)
+        else:
+            self.body.evaluate(self.program.rates, "rates", time)
+            self.body.add_powers(f"%share{stage}")
 
     def _euler(self) -> None:
-        self.body.evaluate(self.program.rates, "rates", "%t")
-        self._integrate(0)
+        self._evaluate(0, "%t")
         self.body.advance(Array.STATE, Array.STATE, Array.RATE, "%h", 0, self.state_rows)
 
     def _semi_implicit(self) -> None:
-        self.body.evaluate(self.program.rates, "rates", "%t")
-        self._integrate(0)
+        self._evaluate(0, "%t")
         self.body.advance(Array.STATE, Array.STATE, Array.RATE, "%h", 0, self.momentum_rows)
         self.body.lines.append("  %t.end = fadd double %t, %h")
         self.body.evaluate(self.program.displacement_rates, "displacement_rates", "%t.end")
@@ -79,8 +93,7 @@ class StepWriter:
         self.body.copy("start", Array.STATE, rows)
         stages = (("%t", "%half"), ("%t.half", "%half"), ("%t.half", "%h"), ("%t.end", ""))
         for stage, (time, factor) in enumerate(stages):
-            self.body.evaluate(self.program.rates, "rates", time)
-            self._integrate(stage)
+            self._evaluate(stage, time)
             if stage == 0:
                 self.body.copy("sum", Array.RATE, rows)
             else:

@@ -101,6 +101,10 @@ class Frame:
             index = self.power_rows[index]
         return self.regions[array] + index
 
+    def is_in(self, array: Array, row: int) -> bool:
+        """Whether a row is one of an array."""
+        return 0 <= row - self.regions[array] < self.layout.lengths.get(array, 0)
+
     def offset(self, row: int) -> int:
         """The offset of a row in bytes."""
         return row * 8 * self.shape.lanes

@@ -17,6 +17,7 @@ from propermodel.codegen.llvm_implicit import reserve_implicit
 from propermodel.codegen.llvm_newton import LARGEST_STRAIGHT
 from propermodel.codegen.llvm_run import write_entries, write_run
 from propermodel.codegen.llvm_step import StepWriter, write_common
+from propermodel.codegen.llvm_sums import METHODS, SHARE
 from propermodel.codegen.llvm_tables import TABLE_FUNCTIONS
 from propermodel.codegen.llvm_text import WIDE, Frame, Module, Shape
 from propermodel.codegen.machine import Method
@@ -54,12 +55,13 @@ def print_program(program: Program, method: Method, lanes: int = 1, printing: Pr
     frame = Frame(shape, program.layout, state_rows, power_rows)
     _reserve(frame, program, method, count)
     module = Module(frame)
-    Writer(module, program, printing).write_program()
+    functions = Writer(module, program, printing)
+    functions.write_program(may_add=method in METHODS)
     write_common(module, count)
     if method.is_adaptive:
         write_attempt(module, program, EXPLICIT_TABLEAUS.get(method), count)
     else:
-        StepWriter(module, program, method, momentum_rows, count).write()
+        StepWriter(module, program, method, momentum_rows, count, adds_powers=functions.adds_powers).write()
     write_entries(module, program)
     if program.guards is not None:
         write_events(module, program, method, count)
@@ -98,6 +100,8 @@ def _reserve(frame: Frame, program: Program, method: Method, state_rows: int) ->
     frame.reserve("kept_unknown", program.layout.lengths.get(Array.UNKNOWN, 0))
     frame.reserve("integral", program.layout.lengths.get(Array.POWER, 0))
     frame.reserve("activity", program.layout.lengths.get(Array.POWER, 0))
+    if method in METHODS:
+        frame.reserve(SHARE, 1)
     if program.implicit_step is not None:
         reserve_implicit(frame, program)
     if method.is_adaptive:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from propermodel.codegen.likeness import Likeness
 from propermodel.codegen.llvm_scratch import Packs, Streams
 from propermodel.codegen.llvm_text import WIDE, Frame
+from propermodel.codegen.program import Array
 from propermodel.codegen.progressions import Point, progressions
 from propermodel.codegen.schedule import Call, is_leaf, leaf_slot
 from propermodel.expressions.core import TIME, Expr, Op
@@ -70,7 +71,7 @@ class RepeatFinder:
     loops_from: int  # so many items
     packs: Packs | None = None  # where nothing is laid out, every operand is where it is
     _used: set[Expr] = field(default_factory=set)  # read by something else than a store beside it
-    _is_arranged: bool = False
+    is_arranged: bool = False  # there are repetitions
 
     def arranged(self, items: list[Item], late: Sequence[StoreRow] = ()) -> list[Item]:
         """The items, with repetitions in place of what is repeated; nothing moves past a solve."""
@@ -79,7 +80,7 @@ class RepeatFinder:
         segments = [_Segment(self, part) for part in _between_calls(items)]
         if 2 * sum(segment.alike for segment in segments) < len(items):
             return items
-        self._is_arranged = True
+        self.is_arranged = True
         self.streams.begin_function()
         self._used.update(store.value for store in late)
         self._used.update(value for segment in segments for value in segment.read())
@@ -87,7 +88,7 @@ class RepeatFinder:
 
     def copied(self, late: Sequence[StoreRow]) -> tuple[list[StoreRow], list[Repeat]]:
         """What is stored when everything has been read: one by one, and by copies from rows that loops have filled."""
-        if not self._is_arranged:
+        if not self.is_arranged:
             return [*late], []
         ready = [store for store in late if store.value.args and store.value in self.rows]
         found = list(_Segment(self, [*ready]).ordered())
@@ -97,6 +98,10 @@ class RepeatFinder:
     def is_used(self, node: Expr) -> bool:
         """Whether something else than a store beside it reads a node."""
         return node in self._used
+
+    def is_power(self, row: int) -> bool:
+        """Whether a row is that of a power, which may be added up instead of being stored."""
+        return self.frame.is_in(Array.POWER, row)
 
     def row(self, node: Expr) -> int | None:
         """The row in which a value is found."""
@@ -292,7 +297,9 @@ class _Segment:
         targets = rows[len(varying) :]
         nodes = tuple(cell.node for cell in cells)
         if not first.is_copy and any(self._finder.is_used(node) for node in nodes):
-            home = next((target for target in targets if target.step == 1), None)
+            home = next(
+                (target for target in targets if target.step == 1 and not self._finder.is_power(target.first)), None
+            )
             if home is None:
                 home = Rows(self._finder.streams.take(len(nodes)), 1)
                 targets.append(home)
