@@ -22,6 +22,8 @@ from propermodel.reduction.plan import plan_reduction
 from propermodel.simulation.reopening import reopened
 from propermodel.studio.store import RUN_FILE
 from tests.studio.client import Client
+from tests.studio.conftest import ROOT
+from tests.studio.typescript import misfits, types_in
 
 Json = dict[str, Any]
 
@@ -54,6 +56,30 @@ def reduction(studio: Client, full: Json) -> Json:
 @pytest.fixture(scope="module")
 def run(folder: Path, full: Json) -> pm.Trajectory:
     return reopened(pm.load_trajectory(folder / "propermodel-runs" / full["id"] / RUN_FILE))
+
+
+def test_answers_have_the_shape_that_the_pages_declare(studio: Client, full: Json, reduction: Json):
+    web = ROOT / "web" / "src"
+    known = types_in(web / "graph" / "picture.ts", web / "views" / "data.ts", web / "studio" / "api.ts")
+    a, b = full["id"], reduction["id"]
+    answers = {
+        "/api/start": "Start",
+        "/api/model?id=car.py:QuarterCar": "ModelSheet",
+        "/api/scenario?model=car.py:QuarterCar&scenario=waves": "ScenarioSheet",
+        f"/api/jobs/{a}": "Job",
+        f"/api/jobs/{b}": "Job",
+        f"/api/runs/{a}/activity": "ActivityData",
+        f"/api/runs/{a}/history?row=wheel": "RowHistory",
+        f"/api/reductions/{b}": "ReductionData",
+        f"/api/compare?a={a}&b={b}": "ComparisonData",
+    }
+    for path, name in answers.items():
+        assert misfits(studio.get(path).json, ("name", name, ()), known, path) == []
+    (first, *_) = studio.get(f"/api/runs/{a}/signals").json
+    assert misfits(first, ("name", "SignalEntry", ()), known) == []
+    assert misfits(studio.get("/api/jobs/99").json["error"], ("name", "Fault", ()), known) == []
+    assert misfits({**first, "unit": 3}, ("name", "SignalEntry", ()), known) == [".unit: 3 is no string"]
+    assert misfits({"path": "x", "unit": ""}, ("name", "SignalEntry", ()), known) == [": there is no 'display'"]
 
 
 def test_activity_is_that_of_the_ranking(studio: Client, full: Json, run: pm.Trajectory):
