@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from propermodel.catalogue.finding import load_subject
+from propermodel.cli.faults import CommandError
+from propermodel.cli.studio import served
 from propermodel.compiler import compile_model
 from propermodel.drawing.depict import depict
 from propermodel.modelling.limits import LIMITS
@@ -187,3 +189,16 @@ def test_a_folder_of_runs_that_leads_elsewhere_is_refused(tmp_path: Path):
     (tmp_path / "served" / "propermodel-runs").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(StudioError, match="is no folder of its own"), listening(tmp_path / "served"):
         pass
+
+
+def test_the_command_serves_the_folder_of_a_model(folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.chdir(folder)
+    assert served("car.py:QuarterCar") == (folder.resolve(), "car.py:QuarterCar")
+    assert served("inner/car.json") == (folder.resolve(), "inner/car.json")
+    assert served("inner") == ((folder / "inner").resolve(), "")
+    assert served("half-car") == (folder.resolve(), "half-car")
+    monkeypatch.chdir(tmp_path)
+    assert served(f"{folder / 'car.py'}:QuarterCar") == (folder.resolve(), "car.py:QuarterCar")
+    (tmp_path / "run.npz").write_bytes(b"")
+    with pytest.raises(CommandError, match="is no folder and no model"):
+        served("run.npz")

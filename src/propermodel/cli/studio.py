@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Annotated
 from urllib.parse import quote
@@ -33,7 +34,7 @@ def studio(
         )
     from propermodel.studio.server import listening
 
-    folder, model = _served(what)
+    folder, model = served(what)
 
     with listening(folder, port=port) as server:
         view = f"#/model?model={quote(model, safe='')}" if model else ""
@@ -44,10 +45,12 @@ def studio(
             import webbrowser
 
             webbrowser.open(server.door.address_for_once() + view)
-        server.answer()
+        with suppress(KeyboardInterrupt):  # how it is meant to end
+            server.answer()
+    typer.echo("the studio has ended; its runs are kept")
 
 
-def _served(what: str) -> tuple[FilePath, str]:
+def served(what: str) -> tuple[FilePath, str]:
     """The folder to serve and the model to open, if one is named."""
     from propermodel.catalogue.named import NAMED_MODELS
 
@@ -59,7 +62,7 @@ def _served(what: str) -> tuple[FilePath, str]:
     file, mark, member = what.rpartition(":")
     name, member = (file, f":{member}") if mark and file.endswith(".py") else (what, "")
     path = FilePath(name).resolve()
-    if not path.is_file():
+    if not path.is_file() or path.suffix not in (".py", ".json"):
         raise CommandError.of(
             "command/studio",
             f"'{what}' is no folder and no model",
