@@ -205,13 +205,14 @@ class Feeding(pm.Resistance):
     """Gives power, the more the faster."""
 
     flange = pm.Port(pm.Translation)
+    gain: pm.Parameter = pm.parameter("N.s/m")
 
     def effort(self, flow: pm.Expr) -> pm.Expr:
-        return pm.quantity(-3.0, "N.s/m") * flow
+        return -self.gain * flow
 
 
-def test_an_unstable_point_has_no_steady_answer():
-    mass, spring, feeding = Mass(mass=2.0), Spring(stiffness=50.0), Feeding()
+def fed(gain: float) -> pm.CompiledModel:
+    mass, spring, feeding = Mass(mass=2.0), Spring(stiffness=50.0), Feeding(gain=gain)
     push, ground = ForceSource(), Fixed()
     model = system(
         pm.connect(Q(0.0, "N"), push.force),
@@ -223,5 +224,18 @@ def test_an_unstable_point_has_no_steady_answer():
         feeding=feeding,
         ground=ground,
     )
+    return pm.compile_model(pm.elaborate(model))
+
+
+def test_an_unstable_point_has_no_steady_answer():
     with pytest.raises(pm.ProperModelError, match=r"a mode grows with 0\.75 1/s, so that there is no steady answer"):
-        pm.rank_frequencies(pm.compile_model(pm.elaborate(model)), scenario(1.0), [1.0], inputs=["push"])
+        pm.rank_frequencies(fed(3.0), scenario(1.0), [1.0], inputs=["push"])
+
+
+def test_a_mode_that_grows_slowly_beside_all_frequencies_is_told():
+    slow = pm.rank_frequencies(fed(0.04), scenario(1.0), [2.0, 9.0], inputs=["push"])
+    assert slow.notes[1].startswith("a mode grows with 0.01 1/s, slowly beside these frequencies")
+    still = pm.rank_frequencies(fed(0.0), scenario(1.0), [2.0, 9.0], inputs=["push"])
+    assert len(still.notes) == 1
+    for row in slow.rows[:2]:
+        assert row.activity == pytest.approx(still.row(row.path).activity, rel=1e-2)

@@ -41,6 +41,7 @@ from propermodel.simulation.observables import observable_path
 from propermodel.simulation.trajectory import Trajectory
 
 Density = Callable[[FloatArray], FloatArray] | Iterable[float] | FloatArray | float
+SLOW_GROWTH = 0.1  # of the lowest frequency: what grows more slowly leaves answers steady for some periods
 NEGLIGIBLE = 1e-12  # of the largest eigenvalue of a power as a quadratic form
 
 
@@ -76,8 +77,8 @@ def rank_frequencies(
     Raises:
         SimulationError: a name is unknown, the derivatives do not exist at the point, or a mode has no damping at one
             of the frequencies.
-        ReductionError: frequencies do not grow from above zero, a spectrum is negative, several inputs have none, the
-            model is unstable at the point, or nothing moves.
+        ReductionError: frequencies do not grow from above zero, a spectrum is negative, several inputs have none, a
+            mode grows within a period or two, or nothing moves.
     """
     at_omega = _frequencies(omega)
     check_bonds(compiled, among)
@@ -87,7 +88,14 @@ def rank_frequencies(
     bonds = [bond for row in rows for bond in row.bonds]
     outputs = [bond / variable.value for variable in (Variable.EFFORT, Variable.FLOW) for bond in bonds]
     linear = linearise(compiled, at, time=time, inputs=chosen, outputs=outputs)
-    _check_stable(linear)
+    growth = _growth(linear)
+    if growth > SLOW_GROWTH * at_omega[0]:
+        raise ReductionError.of(
+            "activity/unstable",
+            f"{linear.name} is unstable at the {linear.point.description}: a mode grows with {growth:.4g} 1/s, so that "
+            "there is no steady answer",
+            help="choose a stable point, or rank a run: rank_activity(run)",
+        )
     response = linear.frequency_response(at_omega).values
     place = {path: index for index, path in enumerate(linear.outputs)}
     # Of each row: its bonds with the sense of their half arrows into it, and where their efforts and flows stand.
@@ -130,7 +138,7 @@ def rank_frequencies(
         datums=(f"efforts and flows: deviations from the {linear.point.description}",),
         discretisation=check,
         parts=parts,
-        notes=(_note(linear, at_omega),),
+        notes=(_note(linear, at_omega), *([_slow(growth)] if growth else [])),
     )
 
 
@@ -138,6 +146,10 @@ def _note(linear: LinearModel, omega: FloatArray) -> str:
     low, high = omega[0] / (2.0 * math.pi), omega[-1] / (2.0 * math.pi)
     names = ", ".join(map(str, linear.inputs))
     return f"mean activity in one second under random {names} between {low:.4g} and {high:.4g} Hz"
+
+
+def _slow(growth: float) -> str:
+    return f"a mode grows with {growth:.4g} 1/s, slowly beside these frequencies: answers are those without its growth"
 
 
 # -- what moves, and how much ------------------------------------------------------------------------------
@@ -187,16 +199,14 @@ def _densities(
     return found
 
 
-def _check_stable(linear: LinearModel) -> None:
+def _growth(linear: LinearModel) -> float:
+    """How fast the fastest growing mode grows that inputs and outputs meet, 1/s; 0 in a stable model."""
     used = connected_states(linear)
-    for root in roots_of(linear.A[np.ix_(used, used)]):
-        if root.value.real > 10.0 * root.uncertainty and root.value.real > 1e-9 * abs(root.value):
-            raise ReductionError.of(
-                "activity/unstable",
-                f"{linear.name} is unstable at the {linear.point.description}: a mode grows with "
-                f"{root.value.real:.4g} 1/s, so that there is no steady answer",
-                help="choose a stable point, or rank a run: rank_activity(run)",
-            )
+    roots = roots_of(linear.A[np.ix_(used, used)])
+    growing = [
+        root.value.real for root in roots if root.value.real > max(10.0 * root.uncertainty, 1e-9 * abs(root.value))
+    ]
+    return max(growing, default=0.0)
 
 
 # -- the mean of absolute powers ---------------------------------------------------------------------------
