@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import logging
 import time
 from collections.abc import AsyncIterator, Callable
 from dataclasses import replace
@@ -21,8 +22,11 @@ from propermodel.studio.workers import Worker, Workers, most_at_once
 
 Json = Any
 
+_LOG = logging.getLogger("propermodel.studio")
+
 CANCELLED_WITHIN_S = 1.5  # what does not stop by itself until then is ended
 _WRITTEN_EVERY_S = 1.0
+_FACT = ("name", "value", "note")
 _LONGEST = 1500  # letters of a message
 _WAITING_EVENTS = 1000  # of a listener who does not listen
 
@@ -187,12 +191,12 @@ class Queue:
         return job
 
     async def _make(self, number: str) -> None:
-        """Wait for the turn of a job, and make it."""
+        """Wait for the turn of a job, and make it; however that ends, the job is over then."""
         async with self._turn:
-            job = self._change(self.get(number), state=JobState.RUNNING, message="preparing")
-            worker = await self._workers.take()
-            self._busy[number] = worker
+            worker = None
             try:
+                job = self._change(self.get(number), state=JobState.RUNNING, message="preparing")
+                worker = self._busy[number] = await self._workers.take()
                 if self.get(number).is_cancelling:  # while its process started
                     worker.kill()
                 answer = json.loads(await worker.do(*self._task(job), self._hearer(number)))
@@ -202,9 +206,13 @@ class Queue:
                 self._failed(number, JobState.FAILED, fault["message"], tuple(fault["elements"]), fault["help"])
             except StudioError as error:
                 self._failed(number, JobState.LOST, error.diagnostics[0].message, (), "")
+            except Exception as error:  # noqa: BLE001 (as when no process can be started: a job must not be left open)
+                _LOG.error("job %s failed", number, exc_info=error)
+                self._failed(number, JobState.FAILED, f"{type(error).__name__}: {error}", (), "")
             finally:
                 self._busy.pop(number, None)
-                await worker.end()
+                if worker is not None:
+                    await worker.end()
                 self._workers.prepare()
 
     def _task(self, job: Job) -> tuple[str, Json]:
@@ -230,7 +238,7 @@ class Queue:
             if "progress" in said:
                 changes["progress"] = JobProgress(**said["progress"])
             if "scenario" in said:
-                changes["scenario"] = said["scenario"]
+                changes["scenario"] = shown(said["scenario"])
             if "window" in said:
                 changes["window"] = (said["window"][0], said["window"][1])
             if "stage" in said and not job.is_cancelling:
@@ -283,7 +291,7 @@ def _result(answer: Json) -> dict[str, Any]:
         "message": shown(answer["message"]),
         "elements": tuple(answer.get("elements", ())),
         "spark": None if spark is None else tuple(spark),
-        "summary": tuple(Fact(**fact) for fact in answer.get("summary", ())),
+        "summary": tuple(Fact(*(shown(fact[key]) for key in _FACT)) for fact in answer.get("summary", ())),
         "outputs": tuple(parse_path(text) for text in answer["outputs"]),
     }
 
