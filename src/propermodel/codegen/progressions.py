@@ -31,6 +31,8 @@ def progressions(points: Sequence[Point], least: int) -> list[tuple[list[int], P
             score = (sum(map(len, chains)), step.count(1))
             if score > covered:
                 covered, best = score, (chains, step)
+            if covered[0] == len(left):
+                break
         chains, step = best
         if not chains:
             break
