@@ -71,7 +71,7 @@ class JobRoutes:
 
     async def events(self, _: Request) -> Response:
         """What happens to jobs, as it happens."""
-        return StreamingResponse(self._queue.events(), media_type="text/event-stream; charset=utf-8")
+        return StreamingResponse(self._queue.listeners.stream(), media_type="text/event-stream; charset=utf-8")
 
     def routes(self) -> list[Route]:
         """All of them."""

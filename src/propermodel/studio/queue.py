@@ -7,7 +7,7 @@ import contextlib
 import json
 import logging
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
@@ -16,6 +16,7 @@ from typing import Any
 from propermodel.diagnostics import parse_path
 from propermodel.studio.faults import AnswerError, StudioError
 from propermodel.studio.job import Fact, Job, JobKind, JobProgress, JobState
+from propermodel.studio.listeners import Listeners
 from propermodel.studio.orders import REDUCTION_ORDER, RUN_ORDER, ReductionOrder, RunOrder, order_data
 from propermodel.studio.store import JobStore
 from propermodel.studio.workers import Worker, Workers, most_at_once
@@ -28,7 +29,6 @@ CANCELLED_WITHIN_S = 1.5  # what does not stop by itself until then is ended
 _WRITTEN_EVERY_S = 1.0
 _FACT = ("name", "value", "note")
 _LONGEST = 1500  # letters of a message
-_WAITING_EVENTS = 1000  # of a listener who does not listen
 
 
 class Queue:
@@ -41,7 +41,7 @@ class Queue:
         self._busy: dict[str, Worker] = {}
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._turn = asyncio.Semaphore(most_at_once())
-        self._listeners: set[asyncio.Queue[bytes | None]] = set()
+        self.listeners = Listeners()
         self._written_at: dict[str, float] = {}
 
     def open(self) -> None:
@@ -138,25 +138,7 @@ class Queue:
             )
         await asyncio.to_thread(self.store.delete, job)
         del self._jobs[number]
-        self._tell("deleted", {"id": number})
-
-    async def events(self) -> AsyncIterator[bytes]:
-        """What happens to jobs from now on, as server-sent events."""
-        listener: asyncio.Queue[bytes | None] = asyncio.Queue(_WAITING_EVENTS)
-        self._listeners.add(listener)
-        try:
-            yield b": the studio\n\n"
-            while True:
-                try:
-                    event = await asyncio.wait_for(listener.get(), 15.0)
-                except TimeoutError:
-                    yield b": still here\n\n"  # else nobody notices that a page has gone
-                    continue
-                if event is None:
-                    return
-                yield event
-        finally:
-            self._listeners.discard(listener)
+        self.listeners.tell("deleted", {"id": number})
 
     async def close(self) -> None:
         """Stop all jobs; they keep what they have."""
@@ -166,9 +148,7 @@ class Queue:
         tasks = list(self._tasks.values())
         if tasks:
             await asyncio.wait(tasks, timeout=2 * CANCELLED_WITHIN_S)
-        for listener in list(self._listeners):
-            with contextlib.suppress(asyncio.QueueFull):
-                listener.put_nowait(None)
+        self.listeners.close()
         self.store.close()
 
     # -- one job -------------------------------------------------------------------------------------------
@@ -181,7 +161,7 @@ class Queue:
         """
         self.store.write(job)
         self._jobs[job.id] = job
-        self._tell("job", job.data())
+        self.listeners.tell("job", job.data())
 
     def _add(self, job: Job) -> Job:
         self.add(job)
@@ -268,19 +248,8 @@ class Queue:
             self._written_at[job.id] = now
             with contextlib.suppress(OSError):  # a full disk must not end the job, whose state is told anyway
                 self.store.write(changed)
-        self._tell("job", changed.data())
+        self.listeners.tell("job", changed.data())
         return changed
-
-    def _tell(self, event: str, data: Json) -> None:
-        text = f"event: {event}\ndata: {json.dumps(data, allow_nan=False)}\n\n".encode()
-        for listener in list(self._listeners):
-            message: bytes | None = text
-            if listener.full():  # nobody reads: the stream ends, and a page that lives asks for a new one
-                self._listeners.discard(listener)
-                while not listener.empty():
-                    listener.get_nowait()
-                message = None
-            listener.put_nowait(message)
 
 
 def _result(answer: Json) -> dict[str, Any]:
