@@ -165,7 +165,7 @@ def plan_reduction(
         protected: Observables that must stay defined.
         tolerance: Largest share that a neglected term may have at its junction.
         drop_driven: Let driven parts go that feed no protected output, although they are active.
-        keep: Rows that stay, however little they do.
+        keep: Rows that stay, however little they do, also where `release` names them.
         release: Rows that are tested as if they were below the threshold, however much they do.
 
     Raises:
@@ -188,7 +188,7 @@ def plan_reduction(
     runs = (trajectory,) if isinstance(trajectory, Trajectory) else tuple(trajectory)
     _check_runs(compiled, runs)
     locked, released = _rows(ranking, keep), _rows(ranking, release)
-    kept = ({row.path for row in ranking.kept_by(threshold)} | locked) - released
+    kept = ({row.path for row in ranking.kept_by(threshold)} - released) | locked
     evidence = RunEvidence.of(compiled, *runs)
     modes = tuple(map(ModeWatch, runs))
     candidates = [row for row in ranking.rows if row.path not in kept]
