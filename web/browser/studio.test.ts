@@ -44,6 +44,7 @@ let server: Server;
 let context: BrowserContext;
 let visitor: Visitor;
 let page: Page;
+let reduction = ""; // the number of the last one
 
 beforeAll(async () => {
   [browser, server] = await Promise.all([launched(), Server.start(FOLDER)]);
@@ -218,7 +219,7 @@ describe("the view of a model", () => {
     expect(await page.locator(".details [data-parameter]").count()).toBeGreaterThan(0);
     await page.locator("main").focus();
     await page.keyboard.press("Escape");
-    expect(await page.locator(".graph .chosen").count()).toBe(0);
+    await page.waitForFunction(() => document.querySelectorAll(".graph .chosen").length === 0);
   });
 
   test("equations and parameters are listed and searched", async () => {
@@ -471,6 +472,7 @@ describe("activity and reduction", () => {
     await page.getByRole("button", { name: "Build reduced model" }).click();
     await page.waitForSelector('[data-screen="compare"]');
     await page.waitForSelector("table.outputs [data-output]");
+    reduction = new URLSearchParams(visitor.hash.split("?")[1]).get("reduction") as string;
     const facts = await page.locator(".fact").allTextContents();
     expect(facts.join(" ")).toContain(`${expected.reduction.states[0]} → ${expected.reduction.states[1]}`);
     const errors = await page.locator("table.outputs [data-output]").evaluateAll((rows) =>
@@ -545,7 +547,7 @@ const SCREENS: readonly (readonly [string, () => string, string])[] = [
   ["run", () => `#/run?${RUN}`, ".run-form"],
   ["plots", () => `#/plots?model=${CAR}`, ".lane canvas"],
   ["activity", () => `#/activity?model=${CAR}&threshold=0.9&selected=suspension.damper`, ".histories .lane canvas"],
-  ["compare", () => `#/compare?model=${CAR}`, ".pickers"],
+  ["compare", () => `#/compare?reduction=${reduction}`, "table.outputs"],
 ];
 
 describe.each(["light", "dark"])("%s screens", (theme) => {

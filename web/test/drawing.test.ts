@@ -45,6 +45,21 @@ test("what is gone is told without colour", async () => {
   expect(gone.slice(0, gone.indexOf("</g>"))).toContain("e = 0");
 });
 
+test("a bond in conflict is red and crossed, with a stroke or without", async () => {
+  const whole = picture("quarter_car");
+  const bonds = whole.bonds.map((bond, i) => {
+    const { effortInto: _effortInto, ...open } = bond;
+    return i === 0 ? { ...bond, causality: "conflict" as const } : i === 1 ? { ...open, causality: "conflict" as const } : bond;
+  });
+  const text = await drawn({ ...whole, bonds });
+  for (const bond of bonds.slice(0, 2)) {
+    const own = text.slice(text.indexOf(`data-bond="${bond.name}"`));
+    expect(own.slice(0, own.indexOf("</g>"))).toContain('class="cross"');
+    expect(own.slice(0, own.indexOf("</g>"))).toContain("#d00000");
+  }
+  expect(count(text, /class="cross"/g)).toBe(2);
+});
+
 test("a closed group sums the activity of what is in it", () => {
   const whole = picture("quarter_car");
   const rows = { "suspension.spring": 0.25, "suspension.damper": 0.5 };

@@ -5,6 +5,7 @@ import { lanesOf } from "../src/views/lanes.tsx";
 import { csv } from "../src/views/saving.ts";
 import { ticks } from "../src/views/strip.ts";
 import { unpacked } from "../src/studio/client.ts";
+import { usualSignals } from "../src/studio/signals.ts";
 import { branchesOf } from "../src/studio/tree.tsx";
 import { usualDepth } from "../src/views/choices.ts";
 import { picture } from "./pictures.ts";
@@ -72,6 +73,17 @@ test("paths make a tree of their parts", () => {
   expect(tree.map((one) => one.key)).toEqual(["a.", "z"]);
   expect(tree[0]?.children.map((one) => one.key)).toEqual(["a.b.", "a.y"]);
   expect(tree[0]?.children[0]?.children[0]).toMatchObject({ key: "a.b.x", label: "x", note: "N" });
+});
+
+test("without outputs, inertias show their flow and compliances their effort", () => {
+  const entry = (path: string) => [path, { path, unit: "", display: { unit: "", factor: 1 } }] as const;
+  const car = picture("quarter_car");
+  const ends = car.bonds.flatMap(({ name }) => [`${name}.effort`, `${name}.flow`]);
+  const known = new Map(["other", ...ends].map(entry));
+  expect(usualSignals(["other", "missing"], car, known)).toEqual(["other"]);
+  const found = usualSignals([], car, known);
+  expect(found).toHaveLength(4);
+  expect(found.map((path) => path.split(".").at(-1))).toEqual(["flow", "flow", "effort", "effort"]);
 });
 
 test("cells of a table are quoted where they must be", () => {

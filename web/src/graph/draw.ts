@@ -28,11 +28,22 @@ export interface DrawingOptions {
 
 /** Draw a layout. */
 export function draw(picture: Picture, layout: Layout, options: DrawingOptions): string {
+  const { attributes, parts } = drawnParts(picture, layout, options);
+  return tag("svg", attributes, parts.join("\n"));
+}
+
+/** A drawing in its parts, each an element: of two drawings of one layout the same parts stand at the same places. */
+export interface Parts {
+  readonly attributes: Readonly<Record<string, string | number>>;
+  readonly parts: readonly string[];
+}
+
+export function drawnParts(picture: Picture, layout: Layout, options: DrawingOptions): Parts {
   const colours = COLOURS[options.theme];
   const pen = new Pen(picture, colours, options.theme, options.below ?? new Set());
   const width = Math.max(layout.width, options.legend ? LEGEND_WIDTH : 0);
   const height = layout.height + (options.legend ? LEGEND_HEIGHT : 0);
-  const body = [
+  const parts = [
     tag("title", {}, escaped(`Bond graph of ${picture.name}`)),
     tag("rect", { width, height, fill: colours.paper }),
     ...layout.frames.map((frame) => pen.frame(frame)),
@@ -41,20 +52,17 @@ export function draw(picture: Picture, layout: Layout, options: DrawingOptions):
     ...layout.bonds.map((line) => pen.bond(line)),
     options.legend ? legend(picture, layout.height, options.theme) : "",
   ];
-  return tag(
-    "svg",
-    {
-      xmlns: "http://www.w3.org/2000/svg",
-      class: "bond-graph",
-      viewBox: `0 0 ${number(width)} ${number(height)}`,
-      width,
-      height,
-      "font-family": FONT,
-      "font-size": SIZE,
-      role: "img",
-    },
-    body.join("\n"),
-  );
+  const attributes = {
+    xmlns: "http://www.w3.org/2000/svg",
+    class: "bond-graph",
+    viewBox: `0 0 ${number(width)} ${number(height)}`,
+    width,
+    height,
+    "font-family": FONT,
+    "font-size": SIZE,
+    role: "img",
+  };
+  return { attributes, parts: parts.filter((part) => part !== "") };
 }
 
 class Pen {
@@ -86,7 +94,8 @@ class Pen {
     const { bond } = line.shown;
     const share = this.activity === undefined ? undefined : (this.activity.bonds[bond.name] ?? 0) / this.greatest;
     const width = bond.gone === true ? 1.2 : share === undefined ? 1.6 : bondWidth(share);
-    const colour = bond.gone === true ? this.colours.quiet : domainColour(bond.domain, this.theme);
+    const isConflict = bond.causality === "conflict";
+    const colour = bond.gone === true ? this.colours.quiet : isConflict ? this.colours.stroke.conflict : domainColour(bond.domain, this.theme);
     const points = line.points;
     const last = points.length - 1;
     const tip = points[last] as Point;
@@ -113,8 +122,8 @@ class Pen {
         }),
       );
       if (bond.causality === "fixed") parts.push(tag("circle", { cx: ends[0].x, cy: ends[0].y, r: 2.6, fill: ink }));
-      if (bond.causality === "conflict") parts.push(this.cross(end, ink));
     }
+    if (isConflict) parts.push(this.cross(halfway(points)));
     const attributes = { class: bond.gone === true ? "bond gone" : "bond", "data-bond": bond.name };
     return tag("g", attributes, parts.join(""));
   }
@@ -204,9 +213,10 @@ class Pen {
     );
   }
 
-  private cross(at: Point, ink: string): string {
-    const d = `M${number(at.x - 5)} ${number(at.y - 15)}l8 8m0 -8l-8 8`;
-    return tag("path", { d, stroke: ink, "stroke-width": 2, fill: "none" });
+  /** The sign of a bond whose strokes contradict one another. */
+  private cross(at: Point): string {
+    const d = `M${number(at.x - 5)} ${number(at.y - 5)}l10 10m0 -10l-10 10`;
+    return tag("path", { class: "cross", d, stroke: this.colours.stroke.conflict, "stroke-width": 2.2, fill: "none" });
   }
 
   private words(spot: Spot, share: number | undefined): string {
@@ -245,3 +255,14 @@ const percent = (share: number): string => `${(100 * share).toPrecision(3)} %`;
 
 const path = (points: readonly Point[]): string =>
   points.map((point, i) => `${i === 0 ? "M" : "L"}${number(point.x)} ${number(point.y)}`).join("");
+
+/** The middle of the longest stretch of a line. */
+function halfway(points: readonly Point[]): Point {
+  let [best, longest] = [points[0] as Point, -1];
+  points.slice(1).forEach((point, i) => {
+    const from = points[i] as Point;
+    const length = Math.hypot(point.x - from.x, point.y - from.y);
+    if (length > longest) [best, longest] = [{ x: (from.x + point.x) / 2, y: (from.y + point.y) / 2 }, length];
+  });
+  return best;
+}

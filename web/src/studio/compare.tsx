@@ -13,9 +13,13 @@ import type { Studio } from "./studio.ts";
 export function CompareScreen({ studio, sheet }: { studio: Studio; sheet: ModelSheet }) {
   const { address, jobs } = studio;
   const all = jobs.byId.value;
-  const reduction = all.get(address.word("reduction") ?? "");
-  const a = all.get(address.word("a") ?? "");
-  const b = all.get(address.word("b") ?? "");
+  const [wanted, first, second] = [address.word("reduction"), address.word("a"), address.word("b")];
+  // Who has chosen nothing sees the last reduction.
+  const last = jobs.all.value.find((job) => job.kind === "reduction" && job.model === sheet.id);
+  const isOpen = wanted === null && first === null && second === null;
+  const reduction = isOpen ? last : all.get(wanted ?? "");
+  const a = all.get(first ?? "");
+  const b = all.get(second ?? "");
   useEffect(() => void (document.body.dataset.ready = "true"), []);
   return (
     <div class="page-of compare">
@@ -57,7 +61,7 @@ function Pickers({ studio, sheet, reduction, a, b }: PickersProps) {
           value={reduction?.id ?? ""}
           onChange={(event) => address.write({ reduction: event.currentTarget.value === "" ? null : event.currentTarget.value, a: null, b: null }, "step")}
         >
-          <option value="">none</option>
+          <option value="">{reductions.length === 0 ? "none" : "choose …"}</option>
           {reductions.map(option)}
         </select>
       </label>

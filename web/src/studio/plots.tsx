@@ -1,7 +1,7 @@
 /** Plots: signals of runs, chosen from a tree, in lanes with one cursor and one zoom. */
 
 import { useComputed, useSignal } from "@preact/signals";
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import { LanesView, PENS, type Zoom } from "../views/lanes.tsx";
 import type { Span } from "../views/source.ts";
 import type { Job, ModelSheet, SignalEntry } from "./api.ts";
@@ -9,11 +9,15 @@ import { addressOf, get } from "./client.ts";
 import { FaultView } from "./fault.tsx";
 import { hasData, isOver, made } from "./jobs.ts";
 import { useResource } from "./resource.ts";
-import { laneGroups, panelGroups } from "./signals.ts";
+import { laneGroups, panelGroups, usualSignals } from "./signals.ts";
 import type { Studio } from "./studio.ts";
 import { branchesOf, Tree } from "./tree.tsx";
 
-const USUAL = 4; // lanes at first
+// Heights in px: of what stands above the lanes, of a lane's title, and of lanes, which fill the window where they can.
+const ABOVE = 170;
+const TITLE = 26;
+const LOWEST = 120;
+const TALLEST = 280;
 
 export function PlotsScreen({ studio, sheet }: { studio: Studio; sheet: ModelSheet }) {
   const { address, jobs } = studio;
@@ -58,7 +62,7 @@ function Plots({ studio, sheet, runs }: { studio: Studio; sheet: ModelSheet; run
   const ticked = address.all("signal");
   const isUsual = ticked.length === 0 && address.word("none") === null;
   const panels = useMemo(() => panelGroups(sheet.panels, known), [known]);
-  const usual = panels.length > 0 ? panels.flatMap((panel) => panel.signals.map(({ path }) => path)) : first.outputs.filter((path) => known.has(path)).slice(0, USUAL);
+  const usual = panels.length > 0 ? panels.flatMap((panel) => panel.signals.map(({ path }) => path)) : usualSignals(first.outputs, sheet.picture, known);
   const chosen = isUsual ? usual : ticked;
   const isTogether = address.word("together") !== null;
   const key = chosen.join(" ");
@@ -66,9 +70,15 @@ function Plots({ studio, sheet, runs }: { studio: Studio; sheet: ModelSheet; run
   const ids = runs.map((job) => job.id).join(" ");
   const laid = useMemo(() => runs.map((job, i) => ({ id: job.id, name: `${i + 1}. ${job.scenario}` })), [ids]);
   const whole: Span = [Math.min(...runs.map((job) => job.window[0])), Math.max(...runs.map((job) => job.window[1]))];
-  const version = useSignal(0);
+  // Runs that go on are drawn anew whenever they have come a fiftieth further.
   const seen = runs.map((job) => `${job.state} ${isOver(job.state) ? "" : Math.floor((job.progress?.time ?? 0) / Math.max(1e-9, (job.window[1] - job.window[0]) / 50))}`).join(" ");
-  useEffect(() => void (version.value += 1), [seen]);
+  const version = useSignal(0);
+  const before = useRef(seen);
+  useEffect(() => {
+    if (before.current !== seen) version.value += 1;
+    before.current = seen;
+  }, [seen]);
+  const height = Math.min(TALLEST, Math.max(LOWEST, (innerHeight - ABOVE) / Math.max(1, groups.length) - TITLE));
   const choose = (paths: readonly string[]): void => address.write({ signal: paths, none: paths.length === 0 ? "yes" : null });
   return (
     <div class="plots-screen">
@@ -94,7 +104,7 @@ function Plots({ studio, sheet, runs }: { studio: Studio; sheet: ModelSheet; run
         {groups.length === 0 ? (
           <p class="hint">{signals.state === "waiting" ? "Reading the signals …" : "Tick signals in the tree to draw them."}</p>
         ) : (
-          <LanesView source={studio.source} groups={groups} runs={laid} whole={whole} zoom={zoom} theme={studio.themes.theme} name={`${first.name}, ${first.scenario}`} version={version} />
+          <LanesView source={studio.source} groups={groups} runs={laid} whole={whole} zoom={zoom} theme={studio.themes.theme} name={`${first.name}, ${first.scenario}`} height={Math.round(height)} version={version} />
         )}
       </div>
     </div>

@@ -14,10 +14,8 @@ import { JobTable, Links, StateMark } from "./joblist.tsx";
 import { hasData, isOver } from "./jobs.ts";
 import { SignalPicker } from "./picker.tsx";
 import { useResource } from "./resource.ts";
-import { laneGroups } from "./signals.ts";
+import { laneGroups, usualSignals } from "./signals.ts";
 import type { Studio } from "./studio.ts";
-
-const MOST_LIVE = 4; // signals that are drawn where none is chosen
 
 export function RunScreen({ studio, sheet }: { studio: Studio; sheet: ModelSheet }) {
   const { address, jobs } = studio;
@@ -84,7 +82,7 @@ function Course({ studio, sheet, job }: { studio: Studio; sheet: ModelSheet; job
       )}
       {(job.state === "failed" || job.state === "lost") && <Failure studio={studio} sheet={sheet} job={job} />}
       {job.state !== "failed" && job.message !== "" && <p class="hint">{job.message}</p>}
-      {hasData(job) && <Live studio={studio} job={job} />}
+      {hasData(job) && <Live studio={studio} sheet={sheet} job={job} />}
     </section>
   );
 }
@@ -121,7 +119,7 @@ function Failure({ studio, sheet, job }: { studio: Studio; sheet: ModelSheet; jo
 const PAUSE = 700; // ms between two looks at a run that goes on
 
 /** Signals of a run, drawn while it goes. */
-function Live({ studio, job }: { studio: Studio; job: Job }) {
+function Live({ studio, sheet, job }: { studio: Studio; sheet: ModelSheet; job: Job }) {
   const { address, source } = studio;
   const signals = useResource(`${job.id} ${isOver(job.state)}`, () => get<SignalEntry[]>(`/runs/${job.id}/signals`));
   const zoom = useMemo(ownZoom, [job.id]);
@@ -141,8 +139,7 @@ function Live({ studio, job }: { studio: Studio; job: Job }) {
   }, [time, job.state]);
   const known = useMemo(() => new Map((signals.state === "there" ? signals.value : []).map((entry) => [entry.path, entry])), [signals.state]);
   const asked = address.all("signal");
-  const usual = (job.outputs.length > 0 ? job.outputs : [...known.keys()]).filter((path) => known.has(path)).slice(0, MOST_LIVE);
-  const chosen = asked.length > 0 ? asked : usual;
+  const chosen = asked.length > 0 ? asked : usualSignals(job.outputs, sheet.picture, known);
   const groups = useMemo(() => laneGroups(chosen, known, false), [chosen.join(" "), known]);
   const runs = useMemo(() => [{ id: job.id, name: job.scenario }], [job.id]);
   if (signals.state === "failed") return <FaultView error={signals.error} />;

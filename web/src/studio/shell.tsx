@@ -84,8 +84,9 @@ function pythonQuery(studio: Studio): Readonly<Record<string, string | readonly 
       return settings.length === 0 ? found : { ...found, set: settings };
     }
     case "compare": {
-      const job = address.word("reduction") ?? address.word("b") ?? address.word("a");
-      return job === null ? null : { job };
+      const last = studio.jobs.all.value.find((job) => job.kind === "reduction" && job.model === model)?.id;
+      const job = address.word("reduction") ?? address.word("b") ?? address.word("a") ?? last;
+      return job === undefined ? null : { job };
     }
     case "activity": {
       const run = studio.run.value;

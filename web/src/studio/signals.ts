@@ -1,5 +1,6 @@
 /** Signals of runs as lanes, in units for readers. */
 
+import type { Kind, Picture } from "../graph/picture.ts";
 import type { LaneGroup } from "../views/lanes.tsx";
 import type { Panel, SignalEntry } from "./api.ts";
 
@@ -35,4 +36,17 @@ export function panelGroups(panels: readonly Panel[], known: ReadonlyMap<string,
     if (unit === undefined) return [];
     return [{ title, unit, signals: alike.map(({ entry, label }) => ({ path: entry.path, label, factor: entry.display.factor })) }];
   });
+}
+
+const USUAL = 4;
+
+/** Signals to begin with: outputs; where none are named, the flow of inertias and the effort of compliances. */
+export function usualSignals(outputs: readonly string[], picture: Picture, known: ReadonlyMap<string, SignalEntry>): string[] {
+  const named = outputs.filter((path) => known.has(path));
+  if (named.length > 0) return named.slice(0, USUAL);
+  const kinds = new Map(picture.nodes.map((node) => [node.path, node.kind]));
+  const stored = (kind: Kind, answer: string): string[] =>
+    picture.bonds.filter(({ tail, head }) => kinds.get(tail) === kind || kinds.get(head) === kind).map(({ name }) => `${name}.${answer}`);
+  const found = [...stored("I", "flow"), ...stored("C", "effort"), ...known.keys()].filter((path) => known.has(path));
+  return [...new Set(found)].slice(0, USUAL);
 }

@@ -22,12 +22,36 @@ export function reachable(svg: SVGSVGElement, name: string, first: string | null
   svg.setAttribute("aria-label", `Bond graph of ${name}; arrow keys move, Enter selects or opens`);
   const things = [...svg.querySelectorAll<SVGElement>(THINGS)];
   const start = things.find((thing) => nameOf(thing) === first) ?? things.find((thing) => !thing.matches(".group")) ?? things[0];
-  for (const thing of things) {
-    thing.setAttribute("tabindex", thing === start ? "0" : "-1");
-    thing.setAttribute("role", "button");
-    if (thing.matches(".closed")) thing.setAttribute("aria-expanded", "false");
-    if (thing.matches(".group")) thing.setAttribute("aria-expanded", "true");
-  }
+  for (const thing of things) reach(thing, thing === start);
+}
+
+function reach(thing: SVGElement, isFirst: boolean): void {
+  thing.setAttribute("tabindex", isFirst ? "0" : "-1");
+  thing.setAttribute("role", "button");
+  if (thing.matches(".closed")) thing.setAttribute("aria-expanded", "false");
+  if (thing.matches(".group")) thing.setAttribute("aria-expanded", "true");
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** Put parts of a drawing in the place of those that differ; everything else, and the focus, stays as it is. */
+export function repaint(svg: SVGSVGElement, before: readonly string[], after: readonly string[]): void {
+  const changed = after.map((_, i) => i).filter((i) => after[i] !== before[i]);
+  const made = document.createElementNS(SVG, "svg");
+  made.innerHTML = changed.map((i) => after[i]).join("");
+  const parts = [...made.children];
+  const old = [...svg.children];
+  changed.forEach((at, i) => {
+    const [from, to] = [old[at] as SVGElement, parts[i] as SVGElement];
+    if (from.hasAttribute("tabindex")) {
+      reach(to, from.getAttribute("tabindex") === "0");
+      for (const kind of ["chosen", "marked"]) to.classList.toggle(kind, from.classList.contains(kind));
+      to.setAttribute("aria-pressed", from.getAttribute("aria-pressed") ?? "false");
+    }
+    const isFocused = from === document.activeElement;
+    from.replaceWith(to);
+    if (isFocused) to.focus();
+  });
 }
 
 export const nameOf = (thing: SVGElement): string | undefined => thing.dataset.id ?? thing.dataset.group;

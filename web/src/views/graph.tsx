@@ -3,19 +3,21 @@
 import { useSignal, useSignalEffect, type ReadonlySignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import { draw } from "../graph/draw.ts";
+import { drawnParts } from "../graph/draw.ts";
 import { noteOf } from "../graph/figures.ts";
 import { fold } from "../graph/fold.ts";
 import { place, type Layout, type Placer } from "../graph/layout.ts";
 import type { Theme } from "../graph/notation.ts";
 import type { Picture } from "../graph/picture.ts";
-import { bring, mark, nameOf, neighbour, reachable, sized } from "./canvas.ts";
+import { tag } from "../graph/xml.ts";
+import { bring, mark, nameOf, neighbour, reachable, repaint, sized } from "./canvas.ts";
 import type { GraphChoices } from "./choices.ts";
 import { savePicture } from "./saving.ts";
 
 const READABLE = 0.85; // of the size in which a drawing is made
 const LARGEST = 1.5;
 const STEP = 1.25;
+const IDLE = 400; // ms without a change until layouts are made in advance
 const NOTHING: ReadonlySet<string> = new Set();
 
 interface GraphProps {
@@ -39,6 +41,7 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
   const layouts = useRef(new Map<string, Promise<Layout>>());
   const turn = useRef(0);
   const isFirst = useRef(true);
+  const painted = useRef<{ readonly layout: Layout; readonly parts: readonly string[] } | null>(null);
   /** px for a unit of the drawing; null chooses the usual one. */
   const scale = useSignal<number | "fit" | null>(fits === true ? "fit" : null);
 
@@ -47,37 +50,42 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
     const svg = svgNow();
     if (svg !== null && page.current !== null) sized(svg, scaleOf(scale.peek(), svg, page.current));
   };
-  useSignalEffect(() => {
-    const open = choices.open.value;
-    const shown = picture.value;
-    const gone = below?.value ?? NOTHING;
-    const colours = theme.value;
+  const layoutOf = (open: ReadonlySet<string>): Promise<Layout> => {
     const key = [...open].sort().join(" ");
     let layout = layouts.current.get(key);
     if (layout === undefined) {
       layout = place(fold(choices.picture, open), placer);
       layouts.current.set(key, layout);
     }
+    return layout;
+  };
+  /** What is likely to be opened next is placed while nobody waits for it. */
+  const foresee = async (open: ReadonlySet<string>, mine: number): Promise<void> => {
+    await new Promise((resolve) => setTimeout(resolve, IDLE));
+    if (mine !== turn.current) return;
+    for (const group of fold(choices.picture, open).closed) {
+      if (mine !== turn.current || page.current === null) return;
+      await layoutOf(new Set([...open, group.path]));
+    }
+  };
+  useSignalEffect(() => {
+    const open = choices.open.value;
+    const shown = picture.value;
+    const gone = below?.value ?? NOTHING;
+    const colours = theme.value;
     turn.current += 1;
     const mine = turn.current;
-    void layout.then((placed) => {
+    void layoutOf(open).then((placed) => {
       if (mine !== turn.current || page.current === null) return;
       // What is gone differs between two ways to look; where things are does not.
-      const drawing = draw(shown, refreshed(placed, fold(shown, open, gone)), { theme: colours, legend: true, below: gone });
-      const focused = page.current.contains(document.activeElement) ? nameOf(document.activeElement as SVGElement) : undefined;
-      page.current.innerHTML = drawing;
-      const svg = svgNow() as SVGSVGElement;
-      resize();
-      reachable(svg, shown.name, focused ?? choices.selected.peek());
-      mark(svg, choices.selected.peek(), marked?.peek() ?? NOTHING);
-      if (isFirst.current) {
-        isFirst.current = false;
-        page.current.scrollTop = (page.current.scrollHeight - page.current.clientHeight) / 2;
-      }
-      const chosen = svg.querySelector(".chosen");
-      if (chosen !== null) bring(page.current, chosen);
-      if (focused !== undefined) svg.querySelector<SVGElement>('[tabindex="0"]')?.focus();
+      const { attributes, parts } = drawnParts(shown, refreshed(placed, fold(shown, open, gone)), { theme: colours, legend: true, below: gone });
+      const before = painted.current;
+      painted.current = { layout: placed, parts };
+      const svg = svgNow();
+      if (svg !== null && before?.layout === placed && before.parts.length === parts.length) repaint(svg, before.parts, parts);
+      else paint(page.current, tag("svg", attributes, parts.join("\n")), shown.name);
       document.body.dataset.ready = "true";
+      void foresee(open, mine);
     });
   });
   useSignalEffect(() => {
@@ -99,6 +107,23 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
     watched.observe(page.current);
     return () => watched.disconnect();
   }, []);
+
+  /** Draw everything anew. */
+  const paint = (box: HTMLDivElement, drawing: string, name: string): void => {
+    const focused = box.contains(document.activeElement) ? nameOf(document.activeElement as SVGElement) : undefined;
+    box.innerHTML = drawing;
+    const svg = svgNow() as SVGSVGElement;
+    resize();
+    reachable(svg, name, focused ?? choices.selected.peek());
+    mark(svg, choices.selected.peek(), marked?.peek() ?? NOTHING);
+    if (isFirst.current) {
+      isFirst.current = false;
+      box.scrollTop = (box.scrollHeight - box.clientHeight) / 2;
+    }
+    const chosen = svg.querySelector(".chosen");
+    if (chosen !== null) bring(box, chosen);
+    if (focused !== undefined) svg.querySelector<SVGElement>('[tabindex="0"]')?.focus();
+  };
 
   const chosen = (event: Event): void => {
     const target = event.target as Element;

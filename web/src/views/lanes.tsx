@@ -97,12 +97,8 @@ export function LanesView({ source, groups, runs, difference, whole, zoom, theme
       if (mine === turn.current) isReading.value = false;
     }
   };
-  useEffect(() => void load(), [source, paths.join(" "), wanted.join(" ")]);
-  useSignalEffect(() => {
-    span.value;
-    version?.value;
-    void load();
-  });
+  const seen = useComputed(() => `${span.value.join(" ")} ${version?.value ?? 0}`).value;
+  useEffect(() => void load(), [source, paths.join(" "), wanted.join(" "), seen]);
   useExact(source, groups, runs, series, cursor, exact);
 
   const columns = useMemo(() => lanes.map((lane) => columnsOf(lane, groups, series)), [lanes, series]);
@@ -193,11 +189,13 @@ function columnsOf(lane: Lane, groups: readonly LaneGroup[], series: ReadonlyMap
     ...lane.lines.map((line) => {
       const column = series.get(line.run)?.columns.get(line.path);
       const factor = factors.get(line.path) ?? 1;
-      // A gap in a line is null for the plot.
-      return Array.from({ length: times.length }, (_, i) => {
+      const shown = new Array<number | null>(times.length);
+      for (let i = 0; i < times.length; i++) {
         const value = column?.[i];
-        return value === undefined || Number.isNaN(value) ? null : value * factor;
-      });
+        // A gap in a line is null for the plot.
+        shown[i] = value === undefined || Number.isNaN(value) ? null : value * factor;
+      }
+      return shown;
     }),
   ];
 }

@@ -144,7 +144,8 @@ function drawn(
   const grid = style.getPropertyValue("--grid");
   const font = "11px Helvetica, Arial, 'Liberation Sans', sans-serif";
   unit.value = axisUnit(sizeOf(columns, shared.span.peek()), lane.unit);
-  const ticks = (_: uPlot, values: number[]): string[] => values.map((value) => short(value / unit.peek().factor));
+  const ticks = (_: uPlot, values: number[], _axis: number, _space: number, step: number): string[] =>
+    values.map((value) => short(value / unit.peek().factor, step / unit.peek().factor));
   const axis = { stroke: ink, font, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, size: 4 }, gap: 4 };
   return new uPlot(
     {
@@ -199,8 +200,11 @@ function drawn(
   );
 }
 
-/** Short enough for the room beside the axis. */
-const short = (value: number): string => String(Number(value.toPrecision(5))).replace("-", "−");
+/** As many digits as tell one tick from the next, which leaves them short enough for the room beside the axis. */
+function short(value: number, step: number): string {
+  const digits = Math.min(8, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+  return String(Number(value.toFixed(digits))).replace("-", "−");
+}
 
 /** Room above and below; a constant is in the middle. */
 function padded(_: uPlot, low: number | null, high: number | null): [number, number] {

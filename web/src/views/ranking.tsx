@@ -2,8 +2,9 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { activityColour, LEAST, level } from "../graph/notation.ts";
-import { keptBy } from "./data.ts";
+import { keptBy, type RankedRow } from "./data.ts";
 import { instant, percent, significant } from "./format.ts";
+import { useKept } from "./kept.ts";
 import { PathText } from "./path.tsx";
 import { csvOf, saveCsv } from "./saving.ts";
 import type { Lock, RankingState } from "./state.ts";
@@ -13,6 +14,7 @@ const LEFT = 46;
 const RIGHT = 46;
 const TOP = 12;
 const BOTTOM = 24;
+const WIDEST = 64; // of a bar, px
 
 interface RankingProps {
   readonly state: RankingState;
@@ -95,9 +97,10 @@ function step(event: KeyboardEvent, state: RankingState): void {
 function Bars({ state }: { state: RankingState }) {
   const svg = useRef<SVGSVGElement>(null);
   const width = useWidth(svg);
+  const kept = useKept();
   const rows = state.rows.value;
   const staying = state.staying.value;
-  const wide = (width - LEFT - RIGHT) / Math.max(1, rows.length);
+  const wide = Math.min(WIDEST, (width - LEFT - RIGHT) / Math.max(1, rows.length));
   const high = HEIGHT - TOP - BOTTOM;
   const y = (part: number): number => TOP + high * (1 - part);
   const line = rows.map((row, i) => `${i === 0 ? "M" : "L"}${LEFT + wide * (i + 0.5)} ${y(row.cumulative)}`).join("");
@@ -122,7 +125,7 @@ function Bars({ state }: { state: RankingState }) {
       ))}
       {rows.map((row, i) => {
         const chosen = state.graph.selected.value === row.path;
-        return (
+        return kept(row.path, [i, row.index, row.cumulative, width, staying.has(row.path), chosen].join(" "), () => (
           <rect
             key={row.path}
             class={`bar ${staying.has(row.path) ? "" : "below"} ${chosen ? "chosen" : ""}`}
@@ -136,7 +139,7 @@ function Bars({ state }: { state: RankingState }) {
           >
             <title>{`${i + 1}. ${row.path}: ${percent(row.index, 3)}, together ${percent(row.cumulative, 2)}`}</title>
           </rect>
-        );
+        ));
       })}
       <path class="sum" d={line} />
       <g class="threshold" onPointerDown={(event) => (event.currentTarget as Element).setPointerCapture(event.pointerId)} onPointerMove={drag}>
@@ -162,6 +165,7 @@ function useWidth(svg: { readonly current: SVGSVGElement | null }): number {
 
 function Table({ state, canLock }: { state: RankingState; canLock: boolean }) {
   const place = useRef<HTMLTableElement>(null);
+  const kept = useKept();
   const staying = state.staying.value;
   const isReduced = state.data.rows.some((row) => row.reason !== "" || row.verdict !== "kept");
   return (
@@ -183,28 +187,10 @@ function Table({ state, canLock }: { state: RankingState; canLock: boolean }) {
             </tr>
           </thead>
           <tbody>
-            {state.rows.value.map((row, i) => (
-              <tr
-                key={row.path}
-                data-row={row.path}
-                data-activity={row.activity}
-                class={`${staying.has(row.path) ? "" : "below"} ${state.graph.selected.value === row.path ? "chosen" : ""}`}
-                onClick={() => state.graph.show(row.path)}
-              >
-                <td class="number">{i + 1}</td>
-                <td class="path">
-                  <button type="button" class="plain" onClick={() => state.graph.show(row.path)}><PathText path={row.path} /></button>
-                </td>
-                <td>{row.kind}</td>
-                <td class="number" data-value={row.activity}>{significant(row.activity, "J")}</td>
-                <td class="number" data-value={row.index}>{percent(row.index, 3)}</td>
-                <td class="number" data-value={row.cumulative}>{percent(row.cumulative, 2)}</td>
-                <td>{i < state.kept.value ? "keeps" : "below"}</td>
-                {canLock && <Locks state={state} row={row.path} />}
-                {isReduced && <td class={row.verdict}>{row.verdict}</td>}
-                {isReduced && <td>{row.meaning === "" ? row.reason : `${row.meaning}: ${row.reason}`}</td>}
-              </tr>
-            ))}
+            {state.rows.value.map((row, i) => {
+              const shown = [i, row.activity, row.index, row.cumulative, staying.has(row.path), i < state.kept.value, state.graph.selected.value === row.path, state.locks.value.get(row.path)];
+              return kept(row.path, shown.join(" "), () => <Row key={row.path} state={state} row={row} rank={i} canLock={canLock} isReduced={isReduced} />);
+            })}
           </tbody>
         </table>
       </div>
@@ -215,9 +201,44 @@ function Table({ state, canLock }: { state: RankingState; canLock: boolean }) {
   );
 }
 
+interface RowProps {
+  readonly state: RankingState;
+  readonly row: RankedRow;
+  readonly rank: number;
+  readonly canLock: boolean;
+  readonly isReduced: boolean;
+}
+
+function Row({ state, row, rank, canLock, isReduced }: RowProps) {
+  // The table knows when a row changes; the row itself listens to nothing.
+  const stays = state.staying.peek().has(row.path);
+  const chosen = state.graph.selected.peek() === row.path;
+  return (
+    <tr
+      data-row={row.path}
+      data-activity={row.activity}
+      class={`${stays ? "" : "below"} ${chosen ? "chosen" : ""}`}
+      onClick={() => state.graph.show(row.path)}
+    >
+      <td class="number">{rank + 1}</td>
+      <td class="path">
+        <button type="button" class="plain" onClick={() => state.graph.show(row.path)}><PathText path={row.path} /></button>
+      </td>
+      <td>{row.kind}</td>
+      <td class="number" data-value={row.activity}>{significant(row.activity, "J")}</td>
+      <td class="number" data-value={row.index}>{percent(row.index, 3)}</td>
+      <td class="number" data-value={row.cumulative}>{percent(row.cumulative, 2)}</td>
+      <td>{rank < state.kept.peek() ? "keeps" : "below"}</td>
+      {canLock && <Locks state={state} row={row.path} />}
+      {isReduced && <td class={row.verdict}>{row.verdict}</td>}
+      {isReduced && <td>{row.meaning === "" ? row.reason : `${row.meaning}: ${row.reason}`}</td>}
+    </tr>
+  );
+}
+
 /** Make a row stay or go at every threshold; the same again leaves it to the threshold. */
 function Locks({ state, row }: { state: RankingState; row: string }) {
-  const now = state.locks.value.get(row);
+  const now = state.locks.peek().get(row);
   const one = (lock: Lock, words: string) => (
     <button
       type="button"

@@ -739,11 +739,15 @@
 	// src/graph/draw.ts
 	/** Draw a layout. */
 	function draw(picture, layout, options) {
+		const { attributes, parts } = drawnParts(picture, layout, options);
+		return tag("svg", attributes, parts.join("\n"));
+	}
+	function drawnParts(picture, layout, options) {
 		const colours = COLOURS[options.theme];
 		const pen = new Pen(picture, colours, options.theme, options.below ?? /* @__PURE__ */ new Set());
 		const width = Math.max(layout.width, options.legend ? 620 : 0);
 		const height = layout.height + (options.legend ? 58 : 0);
-		const body = [
+		const parts = [
 			tag("title", {}, escaped(`Bond graph of ${picture.name}`)),
 			tag("rect", {
 				width,
@@ -756,16 +760,19 @@
 			...layout.bonds.map((line) => pen.bond(line)),
 			options.legend ? legend(picture, layout.height, options.theme) : ""
 		];
-		return tag("svg", {
-			xmlns: "http://www.w3.org/2000/svg",
-			class: "bond-graph",
-			viewBox: `0 0 ${number(width)} ${number(height)}`,
-			width,
-			height,
-			"font-family": FONT,
-			"font-size": 12,
-			role: "img"
-		}, body.join("\n"));
+		return {
+			attributes: {
+				xmlns: "http://www.w3.org/2000/svg",
+				class: "bond-graph",
+				viewBox: `0 0 ${number(width)} ${number(height)}`,
+				width,
+				height,
+				"font-family": FONT,
+				"font-size": 12,
+				role: "img"
+			},
+			parts: parts.filter((part) => part !== "")
+		};
 	}
 	var Pen = class {
 		colours;
@@ -804,7 +811,8 @@
 			const { bond } = line.shown;
 			const share = this.activity === void 0 ? void 0 : (this.activity.bonds[bond.name] ?? 0) / this.greatest;
 			const width = bond.gone === true ? 1.2 : share === void 0 ? 1.6 : bondWidth(share);
-			const colour = bond.gone === true ? this.colours.quiet : domainColour(bond.domain, this.theme);
+			const isConflict = bond.causality === "conflict";
+			const colour = bond.gone === true ? this.colours.quiet : isConflict ? this.colours.stroke.conflict : domainColour(bond.domain, this.theme);
 			const points = line.points;
 			const last = points.length - 1;
 			const tip = points[last];
@@ -849,8 +857,8 @@
 					r: 2.6,
 					fill: ink
 				}));
-				if (bond.causality === "conflict") parts.push(this.cross(end, ink));
 			}
+			if (isConflict) parts.push(this.cross(halfway(points)));
 			return tag("g", {
 				class: bond.gone === true ? "bond gone" : "bond",
 				"data-bond": bond.name
@@ -988,11 +996,13 @@
 				fill: this.colours.ink
 			});
 		}
-		cross(at, ink) {
+		/** The sign of a bond whose strokes contradict one another. */
+		cross(at) {
 			return tag("path", {
-				d: `M${number(at.x - 5)} ${number(at.y - 15)}l8 8m0 -8l-8 8`,
-				stroke: ink,
-				"stroke-width": 2,
+				class: "cross",
+				d: `M${number(at.x - 5)} ${number(at.y - 5)}l10 10m0 -10l-10 10`,
+				stroke: this.colours.stroke.conflict,
+				"stroke-width": 2.2,
 				fill: "none"
 			});
 		}
@@ -1018,6 +1028,19 @@
 	};
 	var percent = (share) => `${(100 * share).toPrecision(3)} %`;
 	var path = (points) => points.map((point, i) => `${i === 0 ? "M" : "L"}${number(point.x)} ${number(point.y)}`).join("");
+	/** The middle of the longest stretch of a line. */
+	function halfway(points) {
+		let [best, longest] = [points[0], -1];
+		points.slice(1).forEach((point, i) => {
+			const from = points[i];
+			const length = Math.hypot(point.x - from.x, point.y - from.y);
+			if (length > longest) [best, longest] = [{
+				x: (from.x + point.x) / 2,
+				y: (from.y + point.y) / 2
+			}, length];
+		});
+		return best;
+	}
 	// src/graph/fold.ts
 	/** What is visible when some groups are open and the others closed: a closed group stands for all that is in it. */
 	var Hierarchy = class {
