@@ -1,7 +1,7 @@
 """A folder for the tests of the studio in a browser, and what Python says that its pages must show.
 
-`python -m tests.browser.studio` writes both to `out/browser`. With `window FROM TO` it prints how a part of the run of the
-quarter car is ranked.
+`python -m tests.browser.studio` writes both to `out/browser`. With `window FROM TO` it prints how a part of the run of
+the quarter car is ranked.
 """
 
 from __future__ import annotations

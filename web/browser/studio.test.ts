@@ -188,7 +188,7 @@ describe("the view of a model", () => {
     await page.waitForSelector(`.graph .group[data-group="${path}"]`);
     await page.goForward();
     await page.waitForSelector(`.graph .closed[data-group="${path}"]`);
-    const drawing = (): Promise<string> => page.locator(".graph svg").evaluate((svg) => svg.innerHTML.replace(/ (tabindex|class)="[^"]*"/g, ""));
+    const drawing = (): Promise<string> => page.locator(".graph .page svg").evaluate((svg) => svg.innerHTML.replace(/ (tabindex|class)="[^"]*"/g, ""));
     const before = await drawing();
     await page.reload();
     await page.waitForSelector("body[data-ready] .graph svg .node");
@@ -479,7 +479,7 @@ describe("activity and reduction", () => {
       Object.fromEntries(rows.map((row) => [(row as HTMLElement).dataset.output, Number((row.children[1] as HTMLElement).dataset.value)])),
     );
     for (const [path, rms] of Object.entries(expected.reduction.outputs)) expect(errors[path], path).toBeCloseTo(rms, 6);
-    await page.waitForFunction(() => document.querySelectorAll(".beside .graph svg").length === 2);
+    await page.waitForFunction(() => document.querySelectorAll(".beside .page svg").length === 2);
     const gone = await page.locator(".beside .graph-box").nth(1).locator(".node.gone").evaluateAll((nodes) => nodes.map((node) => (node as SVGElement).dataset.row).sort());
     expect(gone).toEqual(expected.reduction.gone);
     expect(await page.locator(".beside .graph-box").nth(0).locator(".node.gone").count()).toBe(0);

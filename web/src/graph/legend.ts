@@ -3,12 +3,18 @@
 import { NOTE } from "./figures.ts";
 import { activityColour, COLOURS, domainColour, LEAST, type Theme } from "./notation.ts";
 import type { Picture } from "./picture.ts";
-import { widthOf } from "./text.ts";
+import { FONT, widthOf } from "./text.ts";
 import { escaped, number, tag } from "./xml.ts";
 
 export const LEGEND_HEIGHT = 58;
 export const LEGEND_WIDTH = 620;
 const STEPS = 20;
+
+/** The legend of a picture as a drawing of its own, to stand beside one that is zoomed. */
+export function legendAlone(picture: Picture, theme: Theme): string {
+  const size = { width: LEGEND_WIDTH, height: LEGEND_HEIGHT, viewBox: `0 0 ${LEGEND_WIDTH} ${LEGEND_HEIGHT}` };
+  return tag("svg", { class: "legend-alone", "font-family": FONT, "aria-hidden": "true", ...size }, legend(picture, 0, theme));
+}
 
 /** The legend of a picture, below it. */
 export function legend(picture: Picture, top: number, theme: Theme): string {

@@ -74,7 +74,7 @@ function Activity({ studio, run, runs, data }: ActivityProps) {
       </div>
       <div class="left">
         <div class="graph-box">
-          <GraphView choices={state.graph} picture={picture} placer={studio.placer} theme={theme} below={below} />
+          <GraphView choices={state.graph} picture={picture} placer={studio.placer} theme={theme} below={below} fits />
         </div>
         <ElementView state={state} source={studio.source} run={run.id} theme={theme} />
       </div>

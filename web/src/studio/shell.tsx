@@ -75,7 +75,7 @@ function pythonQuery(studio: Studio): Readonly<Record<string, string | readonly 
       return model === null ? null : { model };
     case "run": {
       if (model === null) return null;
-      const found: Record<string, string | readonly string[]> = { model };
+      const found: Record<string, string | readonly string[]> = { model, run: "yes" };
       for (const name of ["scenario", "until", "method", "step", "tolerance"]) {
         const value = address.word(name);
         if (value !== null) found[name] = value;

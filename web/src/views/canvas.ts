@@ -3,6 +3,7 @@
 /** Letters of this height, px, can be read; smaller ones are left out and only fills remain. */
 const LEGIBLE = 8;
 const LETTERS = 12;
+export const LEGIBLE_SCALE = LEGIBLE / LETTERS;
 const THINGS = ".node, .closed, .group";
 
 /** Show a drawing at a scale; its letters disappear where they could not be read. */
@@ -10,7 +11,7 @@ export function sized(svg: SVGSVGElement, scale: number): void {
   const { width, height } = svg.viewBox.baseVal;
   svg.style.width = `${Math.round(width * scale)}px`;
   svg.style.height = `${Math.round(height * scale)}px`;
-  svg.classList.toggle("far", scale * LETTERS < LEGIBLE);
+  svg.classList.toggle("far", scale < LEGIBLE_SCALE - 1e-9);
 }
 
 /**

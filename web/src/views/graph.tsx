@@ -1,18 +1,19 @@
 /** The drawn graph: groups open and close, things are selected, it is zoomed, and what a threshold takes away is repainted. */
 
-import { useSignal, useSignalEffect, type ReadonlySignal } from "@preact/signals";
+import { useComputed, useSignal, useSignalEffect, type ReadonlySignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import { drawnParts } from "../graph/draw.ts";
+import { draw, drawnParts, type DrawingOptions } from "../graph/draw.ts";
 import { noteOf } from "../graph/figures.ts";
 import { fold } from "../graph/fold.ts";
 import { place, type Layout, type Placer } from "../graph/layout.ts";
+import { legendAlone, LEGEND_HEIGHT } from "../graph/legend.ts";
 import type { Theme } from "../graph/notation.ts";
 import type { Picture } from "../graph/picture.ts";
 import { tag } from "../graph/xml.ts";
-import { bring, mark, nameOf, neighbour, reachable, repaint, sized } from "./canvas.ts";
+import { bring, LEGIBLE_SCALE, mark, nameOf, neighbour, reachable, repaint, sized } from "./canvas.ts";
 import type { GraphChoices } from "./choices.ts";
-import { savePicture } from "./saving.ts";
+import { savePictureText } from "./saving.ts";
 
 const READABLE = 0.85; // of the size in which a drawing is made
 const LARGEST = 1.5;
@@ -31,9 +32,16 @@ interface GraphProps {
   readonly label?: string;
   /** The page around the drawing has no height of its own, but grows with it. */
   readonly grows?: boolean;
-  /** The whole drawing is shown at first, even where its letters are small then. */
+  /** The whole drawing is shown at first where its letters can still be read. */
   readonly fits?: boolean;
   readonly children?: ComponentChildren; // more tools
+}
+
+/** What stands on the page, and how the same is drawn with its legend: its text and its size. */
+interface Painted {
+  readonly layout: Layout;
+  readonly parts: readonly string[];
+  readonly whole: () => [text: string, width: number, height: number];
 }
 
 export function GraphView({ choices, picture, placer, theme, below, marked, label, grows, fits, children }: GraphProps) {
@@ -41,14 +49,15 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
   const layouts = useRef(new Map<string, Promise<Layout>>());
   const turn = useRef(0);
   const isFirst = useRef(true);
-  const painted = useRef<{ readonly layout: Layout; readonly parts: readonly string[] } | null>(null);
+  const painted = useRef<Painted | null>(null);
   /** px for a unit of the drawing; null chooses the usual one. */
-  const scale = useSignal<number | "fit" | null>(fits === true ? "fit" : null);
+  const scale = useSignal<number | "fit" | null>(null);
 
+  const least = fits === true ? LEGIBLE_SCALE : READABLE;
   const svgNow = (): SVGSVGElement | null => page.current?.querySelector("svg") ?? null;
   const resize = (): void => {
     const svg = svgNow();
-    if (svg !== null && page.current !== null) sized(svg, scaleOf(scale.peek(), svg, page.current));
+    if (svg !== null && page.current !== null) sized(svg, scaleOf(scale.peek(), svg, page.current, least));
   };
   const layoutOf = (open: ReadonlySet<string>): Promise<Layout> => {
     const key = [...open].sort().join(" ");
@@ -78,9 +87,11 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
     void layoutOf(open).then((placed) => {
       if (mine !== turn.current || page.current === null) return;
       // What is gone differs between two ways to look; where things are does not.
-      const { attributes, parts } = drawnParts(shown, refreshed(placed, fold(shown, open, gone)), { theme: colours, legend: true, below: gone });
+      const options: DrawingOptions = { theme: colours, legend: false, below: gone };
+      const now = refreshed(placed, fold(shown, open, gone));
+      const { attributes, parts } = drawnParts(shown, now, options);
       const before = painted.current;
-      painted.current = { layout: placed, parts };
+      painted.current = { layout: placed, parts, whole: () => [draw(shown, now, { ...options, legend: true }), now.width, now.height + LEGEND_HEIGHT] };
       const svg = svgNow();
       if (svg !== null && before?.layout === placed && before.parts.length === parts.length) repaint(svg, before.parts, parts);
       else paint(page.current, tag("svg", attributes, parts.join("\n")), shown.name);
@@ -138,7 +149,7 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
   const zoom = (factor: number): void => {
     const svg = svgNow();
     if (svg === null || page.current === null) return;
-    scale.value = Math.min(4, Math.max(0.1, scaleOf(scale.peek(), svg, page.current) * factor));
+    scale.value = Math.min(4, Math.max(0.1, scaleOf(scale.peek(), svg, page.current, least) * factor));
   };
   const typed = (event: KeyboardEvent): void => {
     const svg = svgNow();
@@ -167,6 +178,12 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
     event.preventDefault();
     zoom(event.deltaY < 0 ? 1.1 : 1 / 1.1);
   };
+  const saved = (kind: "svg" | "png"): void => {
+    if (painted.current === null) return;
+    const [text, width, height] = painted.current.whole();
+    void savePictureText(text, width, height, choices.picture.name, kind);
+  };
+  const explained = useComputed(() => ({ __html: legendAlone(picture.value, theme.value) }));
   const name = label ?? "Graph";
   return (
     <div class="graph">
@@ -182,23 +199,24 @@ export function GraphView({ choices, picture, placer, theme, below, marked, labe
         <button type="button" title="Letters at their usual size" onClick={() => (scale.value = null)}>readable</button>
         <button type="button" aria-label="Larger" title="Larger (+)" onClick={() => zoom(STEP)}>+</button>
         <span class="gap" />
-        <button type="button" onClick={() => void savePicture(svgNow(), choices.picture.name, "svg")}>SVG</button>
-        <button type="button" onClick={() => void savePicture(svgNow(), choices.picture.name, "png")}>PNG</button>
+        <button type="button" onClick={() => saved("svg")}>SVG</button>
+        <button type="button" onClick={() => saved("png")}>PNG</button>
         {children}
       </div>
       <div class={grows === true ? "page grows" : "page"} ref={page} onClick={chosen} onKeyDown={typed} onWheel={wheel} />
+      <div class="legend-box" dangerouslySetInnerHTML={explained.value} />
     </div>
   );
 }
 
 /** How large a drawing is shown: letters stay readable, and a wide drawing is scrolled, unless the reader wants all of it. */
-function scaleOf(wanted: number | "fit" | null, svg: SVGSVGElement, page: HTMLElement): number {
+function scaleOf(wanted: number | "fit" | null, svg: SVGSVGElement, page: HTMLElement, least: number): number {
   if (typeof wanted === "number") return wanted;
   const { width, height } = svg.viewBox.baseVal;
   const room = page.matches(".grows") ? innerHeight * 0.78 : page.clientHeight - 2;
   const wide = Math.min((page.clientWidth - 2) / width, LARGEST);
   const fit = Math.min(wide, room / height);
-  return wanted === "fit" ? fit : Math.max(READABLE, page.matches(".grows") ? wide : fit);
+  return wanted === "fit" ? fit : Math.max(least, page.matches(".grows") ? wide : fit);
 }
 
 /** The group that a key on a thing opens or closes: a group itself, or the one around an element. */

@@ -9,17 +9,6 @@ export function save(content: Blob, name: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** Save a drawing that is on the page. */
-export async function savePicture(svg: SVGSVGElement | null, name: string, kind: "svg" | "png"): Promise<void> {
-  if (svg === null) return;
-  const { width, height } = svg.viewBox.baseVal;
-  const copy = svg.cloneNode(true) as SVGSVGElement;
-  copy.removeAttribute("style");
-  copy.classList.remove("far");
-  const text = new XMLSerializer().serializeToString(copy);
-  await savePictureText(text, width, height, name, kind);
-}
-
 /** Save a drawing of a size in px. */
 export async function savePictureText(text: string, width: number, height: number, name: string, kind: "svg" | "png"): Promise<void> {
   if (kind === "svg") save(new Blob([text], { type: "image/svg+xml" }), `${name}.svg`);

@@ -8,7 +8,7 @@ export function Facts({ facts }: { facts: readonly Fact[] }) {
     <div class="facts">
       {facts.map((fact) => (
         <div key={fact.name} class="fact">
-          <span class="name">{fact.name}</span>
+          <span class="name">{fact.name.replaceAll("_", " ")}</span>
           <strong>{fact.value}</strong>
           <span class="note">{fact.note}</span>
         </div>
