@@ -18,7 +18,7 @@ interface PreviewProps {
 }
 
 export function Preview({ scenario, until }: PreviewProps) {
-  if (scenario.inputs.length === 0) return <p class="hint">{scenario.name}: no inputs; the model is left to itself.</p>;
+  if (scenario.inputs.length === 0) return <p class="hint">{scenario.name}: no inputs; what moves the model is in the model.</p>;
   return (
     <div class="previews">
       {scenario.inputs.slice(0, MOST).map((input) => (
