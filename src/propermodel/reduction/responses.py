@@ -81,22 +81,22 @@ class Responses:
 
     def errors_without(self, moves: Sequence[Move]) -> FloatArray | None:
         """The errors of the outputs after further removals together; None if they leave no solution."""
-        violated = self._violated(moves)
-        if violated is None:
+        inverse = self._violations(moves)
+        if inverse is None:
             return None
-        violations = -np.linalg.solve(violated, self._missing(moves)[:, :, np.newaxis])[:, :, 0]
+        violations = -(inverse @ self._missing(moves)[:, :, np.newaxis])[:, :, 0]
         laws = [move.law for move in moves]
         changes = self.changes + np.einsum("lmk,lk->lm", self.answers[:, :, laws], violations)
         return self._sizes(changes) / self.ranges
 
     def without(self, moves: Sequence[Move]) -> Responses | None:
         """The model after further removals together; None if they leave no solution."""
-        violated = self._violated(moves)
-        if violated is None:
+        inverse = self._violations(moves)
+        if inverse is None:
             return None
         laws, variables = [move.law for move in moves], [move.variable for move in moves]
-        violations = -np.linalg.solve(violated, self._missing(moves)[:, :, np.newaxis])
-        share = np.linalg.solve(violated, self._rows(variables))
+        violations = -(inverse @ self._missing(moves)[:, :, np.newaxis])
+        share = inverse @ self._rows(variables)
         by_law = self._columns(laws)
         own_laws = np.tile(np.arange(self.ports), 2)
         return replace(
@@ -195,17 +195,21 @@ class Responses:
         here = self.amplitudes[:, variables] + self.deviations[:, variables]
         return here - self.amplitudes[:, -1:] * values
 
-    def _violated(self, moves: Sequence[Move]) -> ComplexArray | None:
-        """What the laws taken away do to what replaces them; None if they leave no solution."""
+    def _violations(self, moves: Sequence[Move]) -> ComplexArray | None:
+        """How far laws are violated per unit of what replaces them: (terms, laws, variables); None if singular."""
         variables, laws = [move.variable for move in moves], [move.law for move in moves]
         one_by_one = self._entries(np.repeat(variables, len(laws)), np.tile(laws, len(variables)))
-        found = one_by_one.reshape(len(one_by_one), len(variables), len(laws))
+        answered = one_by_one.reshape(len(one_by_one), len(variables), len(laws))
         before = self.full[:, variables]
         if np.any(before == 0.0):
             return None
-        shares = found / before[:, :, np.newaxis]
-        least = np.abs(shares[:, 0]) if len(moves) == 1 else np.linalg.svd(shares, compute_uv=False)[:, -1]
-        return None if np.any(least <= SINGULAR) else found
+        try:
+            inverse = np.linalg.inv(answered / before[:, :, np.newaxis]).astype(np.complex128, copy=False)
+        except np.linalg.LinAlgError:
+            return None
+        # The least singular value is at least the inverse of this norm, and far sooner found.
+        is_regular = np.linalg.norm(inverse, axis=(1, 2)) < 1.0 / SINGULAR
+        return inverse / before[:, np.newaxis] if np.all(is_regular) else None
 
     # -- errors --------------------------------------------------------------------------------------------
 
