@@ -1,15 +1,21 @@
 """Pictures tell what the graph is: places, strokes, signals, and what is gone."""
 
 from dataclasses import replace
+from pathlib import Path as FilePath
 
 import pytest
+from typer.testing import CliRunner
 
+import propermodel as pm
 from propermodel import ConstantEffort, Freeze, Scenario, ZeroEffort, ZeroFlow, compile_model, rank_activity, simulate
 from propermodel.analysis.activity import bond_activities
 from propermodel.catalogue.finding import load_subject
-from propermodel.diagnostics import Path, parse_path
+from propermodel.cli.app import app
+from propermodel.diagnostics import Path, StructureError, parse_path
 from propermodel.drawing.depict import depict, depict_model
 from propermodel.drawing.picture import Picture, PictureNode, Strokes
+from propermodel.library.mechanics.translation import Mass, VelocitySource
+from propermodel.presentation import notebook_html
 from tests.drawing.pictures import FOLDER, MODELS, text_of
 
 
@@ -118,3 +124,38 @@ def test_a_model_without_causality_is_drawn_without_strokes():
     picture = depict_model(replace(MODELS["quarter_car"](), removals=()))
     assert picture.bonds
     assert all(bond.effort_into is None and bond.strokes is Strokes.NONE for bond in picture.bonds)
+
+
+class Quarrel(pm.Component):
+    """Two sources that both set the speed of one mass."""
+
+    first = VelocitySource()
+    second = VelocitySource()
+    mass = Mass(mass=1.0)
+    connections = (
+        pm.connect(pm.quantity(1.0, "m/s"), first.velocity),
+        pm.connect(pm.quantity(2.0, "m/s"), second.velocity),
+        pm.connect(first.flange, second.flange, mass.flange),
+    )
+
+
+def test_what_contradicts_each_other_is_marked():
+    model = pm.elaborate(Quarrel())
+    with pytest.raises(StructureError) as failed:
+        compile_model(model)
+    picture = depict_model(model, failed.value.diagnostics)
+    marked = {str(end) for b in picture.bonds if b.strokes is Strokes.CONFLICT for end in (b.tail, b.head)}
+    assert {"first", "second"} <= marked
+    assert any(bond.strokes is Strokes.NONE for bond in picture.bonds)
+    text = notebook_html(model)
+    assert text is not None
+    assert 'class="cross"' in text
+
+
+def test_the_command_draws_a_conflict_and_ends_with_its_fault(tmp_path: FilePath):
+    document, drawing = tmp_path / "quarrel.json", tmp_path / "quarrel.svg"
+    pm.write_model(pm.elaborate(Quarrel()), document)
+    done = CliRunner().invoke(app, ["draw", str(document), "-o", str(drawing)])
+    assert done.exit_code == 2
+    assert "causality/conflict" in done.output
+    assert 'class="cross"' in drawing.read_text(encoding="utf-8")

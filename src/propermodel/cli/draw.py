@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path as FilePath
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +20,9 @@ from propermodel.cli.options import (
     Until,
     configured,
 )
+
+if TYPE_CHECKING:
+    from propermodel.drawing.picture import Picture
 
 
 class ThemeName(StrEnum):
@@ -49,11 +53,15 @@ def draw(
     signals: Annotated[bool, typer.Option("--signals/--no-signals", help="Draw who has information from whom.")] = True,
     legend: Annotated[bool, typer.Option("--legend/--no-legend", help="Explain the signs.")] = True,
 ) -> None:
-    """Draw the bond graph of a model; of a reduced one everything, with a sign at what is gone."""
+    """Draw the bond graph of a model; of a reduced one everything, with a sign at what is gone.
+
+    A model without causality is drawn too, what contradicts each other in red, and the command ends with its faults.
+    """
     from propermodel.analysis.activity import bond_activities, rank_activity
     from propermodel.catalogue.finding import load_subject
     from propermodel.compiler import compile_model
-    from propermodel.drawing.depict import depict
+    from propermodel.diagnostics import ProperModelError
+    from propermodel.drawing.depict import depict, depict_model
     from propermodel.drawing.svg import to_svg
     from propermodel.simulation.simulate import simulate
 
@@ -66,7 +74,19 @@ def draw(
         tolerance=tolerance,
         settings=settings,
     )
-    compiled = compile_model(subject.model)
+
+    def write(picture: Picture) -> None:
+        text = to_svg(picture, depth=depth, open=open or (), theme=theme.value, legend=legend, signals=signals)
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(text + "\n", encoding="utf-8")
+        typer.echo(f"{output.as_posix()}  {len(picture.nodes)} nodes, {len(picture.bonds)} bonds")
+
+    try:
+        compiled = compile_model(subject.model)
+    except ProperModelError as error:
+        with suppress(ProperModelError):  # there may be no graph to draw
+            write(depict_model(subject.model, error.diagnostics))
+        raise
     ranking, bonds = None, None
     if activity:
         run = simulate(
@@ -79,8 +99,4 @@ def draw(
             record=[],
         )
         ranking, bonds = rank_activity(run), bond_activities(run)
-    picture = depict(compiled, ranking, bonds)
-    text = to_svg(picture, depth=depth, open=open or (), theme=theme.value, legend=legend, signals=signals)
-    output.parent.mkdir(parents=True, exist_ok=True)
-    output.write_text(text + "\n", encoding="utf-8")
-    typer.echo(f"{output.as_posix()}  {len(picture.nodes)} nodes, {len(picture.bonds)} bonds")
+    write(depict(compiled, ranking, bonds))

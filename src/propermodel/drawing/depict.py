@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from propermodel.analysis.ranking import ActivityRanking
@@ -11,7 +11,7 @@ from propermodel.bondgraph.flatten import flatten
 from propermodel.bondgraph.graph import Bond, BondGraph, Element
 from propermodel.causality.causal import CausalGraph, Why
 from propermodel.compiler import CompiledModel, compile_quietly
-from propermodel.diagnostics import Path
+from propermodel.diagnostics import Diagnostic, Path, parse_path
 from propermodel.drawing.picture import (
     Gone,
     Picture,
@@ -44,6 +44,7 @@ _MODULATED = (
     ElementKind.RESISTANCE,
 )
 NO_ROOT = Path()
+CONFLICT = "causality/conflict"
 
 
 def depict(
@@ -76,9 +77,22 @@ def depict(
     )
 
 
-def depict_model(model: Model) -> Picture:
-    """The picture of a model that need not have causality, for what cannot be compiled."""
-    return depict_graph(flatten(replace(model, removals=())))
+def depict_model(model: Model, faults: Iterable[Diagnostic] = ()) -> Picture:
+    """The picture of a model that need not have causality, for what cannot be compiled.
+
+    Args:
+        model: The model.
+        faults: Why it cannot be: the bonds of elements that contradict each other are marked.
+
+    Raises:
+        ModelError: there is no graph either.
+    """
+    picture = depict_graph(flatten(replace(model, removals=())))
+    at_odds = {parse_path(item.path) for fault in faults if fault.code == CONFLICT for item in fault.involved}
+    marked = (
+        replace(bond, strokes=Strokes.CONFLICT) if at_odds & {bond.tail, bond.head} else bond for bond in picture.bonds
+    )
+    return replace(picture, bonds=tuple(marked))
 
 
 def depict_graph(

@@ -24,6 +24,7 @@ class Strokes(StrEnum):
     PREFERRED = "preferred"
     DEPENDENT = "dependent"  # storage whose state depends on others
     FIXED = "fixed"  # by its author
+    CONFLICT = "conflict"  # of an element that contradicts others
     NONE = "none"  # no causality yet
 
 

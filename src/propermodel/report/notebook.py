@@ -44,9 +44,9 @@ def _(model: Model) -> str | None:
         return None
     try:
         picture = depict(compile_quietly(model))
-    except ProperModelError:  # no equations: a graph without strokes, where there is one
+    except ProperModelError as error:  # no equations: a graph without strokes, where there is one
         try:
-            picture = depict_model(model)
+            picture = depict_model(model, error.diagnostics)
         except ProperModelError:
             return None
     return _framed(to_svg(picture))
