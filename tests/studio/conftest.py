@@ -16,6 +16,9 @@ ROOT = Path(__file__).parents[2]
 
 TROUBLE = '''"""Models that do not end well, with scenarios for them and for others."""
 
+import os
+from pathlib import Path
+
 import propermodel as pm
 
 
@@ -64,6 +67,8 @@ def hard_pull() -> pm.Scenario:
 
 
 def endless() -> pm.Scenario:
+    """A scenario that goes on and on, and says which process has asked for it."""
+    Path("process.txt").write_text(str(os.getpid()), encoding="utf-8")
     return pm.Scenario(name="endless", stop=1e7, inputs={"road.flow": 0.1})
 '''
 
