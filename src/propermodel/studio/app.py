@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import logging
 from collections.abc import AsyncGenerator
 from dataclasses import asdict
@@ -71,35 +72,27 @@ class Studio:
     async def model(self, request: Request) -> Response:
         """What is known of a model."""
         named = self.folder.model(asked(request, "id"))
-        self.trust.check(self.folder, named)
-
-        async def ask() -> bytes:
-            return await self.workers.ask("model", {"model": named.text}, runs_python=named.is_python)
-
-        return JSONResponse(await self.answers.get(f"model {named.text}", _files(named), ask))
+        return await self._told("model", {"model": named.text}, named)
 
     async def equations(self, request: Request) -> Response:
         """The equations of a model as text."""
         named = self.folder.model(asked(request, "model"))
-        self.trust.check(self.folder, named)
-
-        async def ask() -> bytes:
-            return await self.workers.ask("equations", {"model": named.text}, runs_python=named.is_python)
-
-        return JSONResponse(await self.answers.get(f"equations {named.text}", _files(named), ask))
+        return await self._told("equations", {"model": named.text}, named)
 
     async def scenario(self, request: Request) -> Response:
         """What is known of a scenario of a model."""
         model = self.folder.model(asked(request, "model"))
         scenario = self.folder.scenario(request.query_params.get("scenario", ""))
-        self.trust.check(self.folder, model, scenario)
+        return await self._told("scenario", {"model": model.text, "scenario": scenario.text or None}, model, scenario)
+
+    async def _told(self, task: str, arguments: dict[str, str | None], *named: Named) -> Response:
+        """What a worker tells of models and scenarios, kept until their files change."""
+        self.trust.check(self.folder, *named)
 
         async def ask() -> bytes:
-            arguments = {"model": model.text, "scenario": scenario.text or None}
-            return await self.workers.ask("scenario", arguments, runs_python=model.is_python or scenario.is_python)
+            return await self.workers.ask(task, arguments, runs_python=any(item.is_python for item in named))
 
-        question = f"scenario {model.text} {scenario.text}"
-        return JSONResponse(await self.answers.get(question, _files(model, scenario), ask))
+        return JSONResponse(await self.answers.get(json.dumps([task, arguments]), _files(*named), ask))
 
     def routes(self) -> list[Route]:
         """All that is answered."""
