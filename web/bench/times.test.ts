@@ -7,7 +7,8 @@ import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, test } from "vitest";
-import { launched, Server, Visitor } from "../browser/server.ts";
+import { launched } from "../browser/chromium.ts";
+import { Server, Visitor } from "../browser/server.ts";
 
 const OUT = new URL("../../out/browser/", import.meta.url);
 const MISSION = process.env.MISSION ?? "20"; // s of the truck's mission

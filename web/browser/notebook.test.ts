@@ -8,7 +8,8 @@ import { fold, openTo } from "../src/graph/fold.ts";
 import { place } from "../src/graph/layout.ts";
 import type { Picture } from "../src/graph/picture.ts";
 import { elk } from "../test/pictures.ts";
-import { FOLDER, launched, opened } from "./pages.ts";
+import { launched } from "./chromium.ts";
+import { FOLDER, opened } from "./pages.ts";
 
 type Places = Readonly<Record<string, readonly [number, number]>>;
 

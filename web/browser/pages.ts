@@ -1,19 +1,8 @@
 /** Pages that Python has written, opened in Chromium with no network: whatever they ask for or complain about is a fault. */
 
-import { chromium, type Browser, type Page } from "playwright-core";
+import type { Browser, Page } from "playwright-core";
 
 export const FOLDER = new URL("../../out/browser/", import.meta.url);
-const SWITCHES = [
-  "--no-sandbox",
-  "--disable-gpu",
-  "--disable-background-networking",
-  "--disable-component-update",
-  "--disable-sync",
-];
-
-export function launched(): Promise<Browser> {
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: SWITCHES });
-}
 
 /** A page from a file, with all faults that it shows. */
 export async function opened(browser: Browser, name: string, faults: string[], hash = ""): Promise<Page> {

@@ -7,7 +7,8 @@ import { readFileSync, statSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
-import { FOLDER, launched, opened } from "./pages.ts";
+import { launched } from "./chromium.ts";
+import { FOLDER, opened } from "./pages.ts";
 
 interface Expected {
   readonly nodes: number;

@@ -1,25 +1,15 @@
-/** The studio's real server for tests, and the browser that looks at it. */
+/** The studio's real server for tests, and who visits it. */
 
 import { spawn, type ChildProcess } from "node:child_process";
 import { existsSync, mkdtempSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { fileURLToPath } from "node:url";
-import { chromium, type Browser, type BrowserContext, type Page } from "playwright-core";
+import type { BrowserContext, Page } from "playwright-core";
 
-export const SWITCHES = [
-  "--no-sandbox",
-  "--disable-gpu",
-  "--disable-background-networking",
-  "--disable-component-update",
-  "--disable-sync",
-];
 const ROOT = fileURLToPath(new URL("../../", import.meta.url));
 /** The package as users get it, before its sources: `python -m tests.browser.wheel`. */
 const WHEEL = `${ROOT}out/browser/wheel`;
 const PATIENCE = 60_000; // ms
-
-export const launched = (): Promise<Browser> =>
-  chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: SWITCHES });
 
 /** A server of a folder, by the command that users have. */
 export class Server {

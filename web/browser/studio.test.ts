@@ -8,7 +8,8 @@ import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import type { Browser, BrowserContext, Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
-import { launched, Server, Visitor } from "./server.ts";
+import { launched } from "./chromium.ts";
+import { Server, Visitor } from "./server.ts";
 
 interface Drawn {
   readonly nodes: readonly string[];

@@ -4,7 +4,7 @@
  */
 
 import type { Picture } from "../graph/picture.ts";
-import type { BalanceData, Fact, History, OutputRow, RankedRow, StudyData } from "../views/data.ts";
+import type { BalanceData, Fact, History, OutputRow, RankingData, StudyData } from "../views/data.ts";
 
 /** A model that can be opened; `id` is what the command line would take. */
 export interface ModelEntry {
@@ -142,18 +142,8 @@ export interface SignalEntry {
 }
 
 /** What the activity of one run shows. */
-export interface ActivityData {
-  readonly model: string;
-  readonly scenario: string;
-  readonly window: readonly [number, number];
-  readonly threshold: number;
-  readonly facts: readonly Fact[];
-  readonly picture: Picture;
-  readonly rows: readonly RankedRow[];
-  readonly totalActivity: number;
-  readonly notes: readonly string[];
+export interface ActivityData extends RankingData {
   readonly balances: { readonly full: BalanceData };
-  readonly windows: { readonly times: string; readonly rows: Readonly<Record<string, string>> };
 }
 
 export interface RowHistory {
