@@ -169,11 +169,10 @@ def test_a_mode_that_becomes_unstable_is_told():
     assert gained.nature == "unstable"
 
 
-def test_what_drifts_more_slowly_than_the_window_is_no_lost_oscillation():
-    # A swing of 63 s with a damping ratio of 0.05: the spring that makes it is lost with it.
-    mass, spring, damper, ground = Mass(mass=1.0), Spring(stiffness=0.01), Damper(damping=0.01), Fixed()
-    push = SinePush(force=1.0, frequency=1.0)
-    model = pm.elaborate(
+def pushed(spring: Spring, damper: Damper, push: SinePush) -> pm.Model:
+    """A mass of 1 kg on a spring and a damper."""
+    mass, ground = Mass(mass=1.0), Fixed()
+    return pm.elaborate(
         system(
             pm.connect(ground.flange, spring.a, damper.a),
             pm.connect(spring.b, damper.b, mass.flange, push.flange),
@@ -184,6 +183,11 @@ def test_what_drifts_more_slowly_than_the_window_is_no_lost_oscillation():
             ground=ground,
         )
     )
+
+
+def test_what_drifts_more_slowly_than_the_window_is_no_lost_oscillation():
+    # A swing of 63 s with a damping ratio of 0.05: the spring that makes it is lost with it.
+    model = pushed(Spring(stiffness=0.01), Damper(damping=0.01), SinePush(force=1.0, frequency=1.0))
     reduced = model.without([pm.ZeroEffort(parse_path("spring.port"))])
     both = [pm.linearise(pm.compile_model(m), pm.Scenario(stop=1.0), inputs=()) for m in (model, reduced)]
     assert spectral_change(*both, window=5.0).lost == ()
@@ -200,19 +204,8 @@ def test_what_grows_more_slowly_than_the_window_is_not_unstable_in_it():
 
 def test_removals_that_cancel_each_other_are_fragile():
     # A mass and a spring in resonance: their forces add up to nothing, so both may go, and neither alone.
-    push, mass, spring = SinePush(force=1.0, frequency=10.0 / (2.0 * np.pi)), Mass(mass=1.0), Spring(stiffness=100.0)
-    damper, ground = Damper(damping=5.0), Fixed()
-    model = pm.elaborate(
-        system(
-            pm.connect(ground.flange, spring.a, damper.a),
-            pm.connect(spring.b, damper.b, mass.flange, push.flange),
-            push=push,
-            mass=mass,
-            spring=spring,
-            damper=damper,
-            ground=ground,
-        )
-    )
+    push = SinePush(force=1.0, frequency=10.0 / (2.0 * np.pi))
+    model = pushed(Spring(stiffness=100.0), Damper(damping=5.0), push)
     search = pm.find_proper_model(model, pm.Scenario(stop=60.0), {"mass.flange.flow": 0.1}, method=RK4, step=1e-3)
     both = (pm.ZeroEffort(parse_path("mass.flange")), pm.ZeroEffort(parse_path("spring.port")))
     rows = (parse_path("mass"), parse_path("spring"))
