@@ -22,7 +22,8 @@ from propermodel.modelling.limits import LIMITS
 from propermodel.reduction.certify import make_certificate
 from propermodel.simulation.reopening import reopened
 from tests.faults.case import Case
-from tests.faults.simulation_cases import STEP, claimed, quarter, run
+from tests.faults.quarter import STEP, quarter, run
+from tests.faults.reduction_cases import claimed
 
 HERE = Path(__file__).parent
 RIG = HERE.parent / "cli" / "quarter_car.py"

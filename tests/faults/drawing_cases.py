@@ -10,7 +10,7 @@ import propermodel as pm
 from propermodel.drawing import javascript
 from propermodel.drawing.picture import Picture, PictureBond, Strokes
 from tests.faults.case import Case
-from tests.faults.simulation_cases import quarter
+from tests.faults.quarter import quarter
 
 
 def without_engine() -> object:

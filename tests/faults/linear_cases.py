@@ -25,7 +25,7 @@ from propermodel import (
 )
 from propermodel.compiler import compile_quietly
 from tests.faults.case import Case
-from tests.faults.simulation_cases import STEP, quarter, run
+from tests.faults.quarter import STEP, quarter, run
 from tests.parts import Force, Mass, Spring, Tank, Velocity
 
 

@@ -31,7 +31,7 @@ from propermodel.studio.worker import Control
 from propermodel.studio.workers import Worker, Workers
 from tests.faults.case import Case
 from tests.faults.document_cases import file_of
-from tests.faults.simulation_cases import STEP, quarter, run
+from tests.faults.quarter import STEP, quarter, run
 
 DOOR = Door(8000, "secret")
 JSON = ("content-type", "application/json")

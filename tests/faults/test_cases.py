@@ -7,11 +7,13 @@ import re
 import pytest
 
 from tests.faults import (
+    activity_cases,
     document_cases,
     drawing_cases,
     linear_cases,
     mechanism_cases,
     model_cases,
+    reduction_cases,
     simulation_cases,
     structure_cases,
     studio_cases,
@@ -23,6 +25,8 @@ CASES = (
     *model_cases.CASES,
     *structure_cases.CASES,
     *simulation_cases.CASES,
+    *activity_cases.CASES,
+    *reduction_cases.CASES,
     *document_cases.CASES,
     *drawing_cases.CASES,
     *linear_cases.CASES,

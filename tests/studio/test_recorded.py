@@ -17,7 +17,7 @@ from propermodel.simulation.trajectory import Ending, RunStatus, Statistics
 from propermodel.simulation.trajectory_format import Header, StoredProgress
 from propermodel.studio import recorded
 from propermodel.studio.recorded import RecordedRuns, packed_series
-from tests.faults.simulation_cases import quarter
+from tests.faults.quarter import quarter
 
 END = 100.0
 PATHS = [parse_path(f"body.s{number}") for number in range(60)]
