@@ -12,7 +12,7 @@ from propermodel.drawing.depict import depict
 from propermodel.drawing.javascript import DrawingError
 from propermodel.drawing.picture import Picture, PictureNode
 from propermodel.drawing.svg import to_svg
-from tests.cli.test_commands import MODEL, succeed
+from tests.cli.commands import MODEL, succeed
 from tests.drawing.pictures import MODELS, ROOT
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -15,7 +15,7 @@ from propermodel.report.page import page_text, write_page
 from propermodel.report.page_data import page_data, subject_of_certified, subject_of_study
 from propermodel.report.study import ReductionStudy
 from tests.browser.pages import quarter_car
-from tests.cli.test_commands import succeed
+from tests.cli.commands import succeed
 
 
 @pytest.fixture(scope="module")
